@@ -1,0 +1,29 @@
+//! Why something could not be computed.
+
+use hemicube_scene::SceneError;
+
+/// A radiosity solution could not be made, stored or read; each message is one line.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RadiosityError {
+    /// The scene itself cannot be used.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Every face was left out.
+    #[error("scene '{0}': no surface has an area, so there is nothing to light")]
+    NoSurfaces(String),
+    /// Nothing gives light.
+    #[error(
+        "scene '{0}': nothing gives light; make a material emit with --emit MATERIAL=R,G,B (radiance, * matches all) or add a sky with --sky R,G,B"
+    )]
+    NoLight(String),
+    /// An option is out of its range.
+    #[error("{0}")]
+    Option(String),
+    /// A file holds no solution, or a damaged one.
+    #[error("{0}")]
+    File(String),
+    /// Light would grow without bound.
+    #[error("{0}")]
+    Divergent(String),
+}

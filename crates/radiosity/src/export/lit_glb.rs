@@ -1,0 +1,558 @@
+//! The lit `.glb`: looks lit in any viewer, and holds everything needed to go on from it.
+//!
+//! Every primitive is unlit (`KHR_materials_unlit`) with the base colour and texture kept and `COLOR_0` = exposure × H/π
+//! clamped to [0, 1], so their product is the reflected light and no albedo counts twice. Emitters are primitives of
+//! their own whose colour is their tone-mapped light. `_IRRADIANCE` keeps the full precision. The scene, the mesh's
+//! options and the solution's arrays lie in a buffer view of ours, found through `extras.hemicube`; from them the same
+//! mesh is built again, so a solution continues exactly.
+
+use crate::drawn::{DrawnMesh, DrawnPart};
+use crate::error::RadiosityError;
+use crate::patch::{PatchMesh, PatchOptions};
+use crate::solution::{Solution, SolutionData};
+use core::f32::consts::PI;
+use glam::{Mat3, Quat};
+use hemicube_raster::Rgb;
+use hemicube_raster::tonemap::{Exposure, ToneMap};
+use hemicube_scene::gltf::container;
+use hemicube_scene::{
+    AlphaMode, Camera, Material, MetalsAs, Projection, Scene, TextureImage, TextureSlot, Wrap,
+};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+use std::sync::Arc;
+
+/// Layout of the buffer view of ours; another number is another layout.
+const VERSION: u64 = 1;
+
+/// How a lit `.glb` is written.
+#[derive(Debug, Clone)]
+pub struct LitGlbOptions {
+    /// Exposure of the stored colours. Default value: automatic.
+    pub exposure: Exposure,
+    /// Tone map of the emitters' colours. Default value: Reinhard.
+    pub tone_map: ToneMap,
+    /// Added to the irradiance that is shown (an ambient estimate). Default value: black.
+    pub ambient: Rgb,
+    /// Report kept in `extras.hemicube.report`. Default value: null.
+    pub report: Value,
+}
+
+impl Default for LitGlbOptions {
+    fn default() -> Self {
+        Self {
+            exposure: Exposure::Auto,
+            tone_map: ToneMap::Reinhard,
+            ambient: Rgb::BLACK,
+            report: Value::Null,
+        }
+    }
+}
+
+/// What is needed to build the same mesh and go on with the same solution.
+#[derive(Serialize, Deserialize)]
+struct State<'a> {
+    scene: std::borrow::Cow<'a, Scene>,
+    mesh: PatchOptions,
+    solution: SolutionData,
+}
+
+/// The bytes of a lit `.glb`.
+///
+/// # Errors
+/// A file of 4 GiB or more, which the format cannot hold.
+pub fn write(solution: &Solution, options: &LitGlbOptions) -> Result<Vec<u8>, RadiosityError> {
+    let mut file = Builder::default();
+    let scene = solution.mesh().scene();
+    let drawn = DrawnMesh::new(solution, options.ambient);
+    let exposure = options
+        .exposure
+        .factor((0..solution.mesh().elements().len()).map(|e| {
+            let reflected = solution.mesh().reflectance()[e] * solution.element_irradiance(e);
+            (reflected / PI).luminance()
+        }));
+    let look = Look {
+        exposure,
+        tone_map: options.tone_map,
+    };
+    file.images(scene);
+    file.primitives(solution, &drawn, look);
+    file.cameras(scene);
+    let state = State {
+        scene: std::borrow::Cow::Borrowed(scene),
+        mesh: solution.mesh().options(),
+        solution: solution.data(),
+    };
+    let state = postcard::to_stdvec(&state)
+        .map_err(|e| RadiosityError::File(format!("storing the solution: {e}")))?;
+    let view = file.view(&state, None);
+    file.root.insert(
+        String::from("extras"),
+        json!({ "hemicube": { "version": VERSION, "state": view, "exposure": exposure, "report": options.report } }),
+    );
+    file.finish()
+}
+
+/// Exposure and tone map of the stored colours.
+#[derive(Clone, Copy)]
+struct Look {
+    exposure: f32,
+    tone_map: ToneMap,
+}
+
+/// Collects the parts of the file.
+#[derive(Default)]
+struct Builder {
+    binary: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    nodes: Vec<Value>,
+    meshes: Vec<Value>,
+    materials: Vec<Value>,
+    transforms_used: bool,
+    root: Map<String, Value>,
+}
+
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+impl Builder {
+    /// A buffer view over a copy of some bytes.
+    fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
+        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
+        let mut view =
+            json!({ "buffer": 0, "byteOffset": self.binary.len(), "byteLength": bytes.len() });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        self.binary.extend_from_slice(bytes);
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    /// An accessor over floats, `width` a vertex.
+    fn floats(&mut self, values: &[f32], width: usize, bounds: bool) -> usize {
+        let view = self.view(bytemuck::cast_slice(values), Some(ARRAY_BUFFER));
+        let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][width - 1];
+        let mut accessor = json!({ "bufferView": view, "componentType": 5126, "count": values.len() / width, "type": kind });
+        if bounds {
+            let extreme = |of: fn(f32, f32) -> f32, start: f32| -> Vec<f32> {
+                (0..width)
+                    .map(|k| {
+                        values
+                            .iter()
+                            .skip(k)
+                            .step_by(width)
+                            .copied()
+                            .fold(start, of)
+                    })
+                    .collect()
+            };
+            accessor["min"] = json!(extreme(f32::min, f32::INFINITY));
+            accessor["max"] = json!(extreme(f32::max, f32::NEG_INFINITY));
+        }
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+
+    fn indices(&mut self, triangles: &[[u32; 3]]) -> usize {
+        let view = self.view(bytemuck::cast_slice(triangles), Some(ELEMENT_ARRAY_BUFFER));
+        self.accessors.push(
+            json!({ "bufferView": view, "componentType": 5125, "count": triangles.len() * 3, "type": "SCALAR" }),
+        );
+        self.accessors.len() - 1
+    }
+
+    fn images(&mut self, scene: &Scene) {
+        if scene.images.is_empty() {
+            return;
+        }
+        let images: Vec<Value> = scene
+            .images
+            .iter()
+            .map(|image| {
+                let view = self.view(image.encoded(), None);
+                json!({ "name": image.name, "bufferView": view, "mimeType": image.media_type() })
+            })
+            .collect();
+        let samplers: Vec<Value> = scene
+            .textures
+            .iter()
+            .map(|t| json!({ "wrapS": wrap_code(t.wrap[0]), "wrapT": wrap_code(t.wrap[1]), "magFilter": 9729, "minFilter": 9987 }))
+            .collect();
+        let textures: Vec<Value> = scene
+            .textures
+            .iter()
+            .enumerate()
+            .map(|(sampler, texture)| json!({ "source": texture.image, "sampler": sampler }))
+            .collect();
+        self.root.insert(String::from("images"), json!(images));
+        if !textures.is_empty() {
+            self.root.insert(String::from("samplers"), json!(samplers));
+            self.root.insert(String::from("textures"), json!(textures));
+        }
+    }
+
+    /// One node and mesh for each instance, one primitive for each of its materials.
+    fn primitives(&mut self, solution: &Solution, drawn: &DrawnMesh, look: Look) {
+        let scene = solution.mesh().scene().clone();
+        let mut materials = vec![None; scene.materials.len()];
+        let mut start = 0;
+        while start < drawn.parts.len() {
+            let instance = drawn.parts[start].instance;
+            let end = start
+                + drawn.parts[start..]
+                    .iter()
+                    .take_while(|p| p.instance == instance)
+                    .count();
+            let primitives: Vec<Value> = drawn.parts[start..end]
+                .iter()
+                .map(|part| {
+                    let material = *materials[part.material].get_or_insert_with(|| {
+                        self.material(&scene, &scene.materials[part.material])
+                    });
+                    self.primitive(solution, drawn, part, material, look)
+                })
+                .collect();
+            self.meshes
+                .push(json!({ "name": scene.instances[instance].node, "primitives": primitives }));
+            self.nodes.push(
+                json!({ "name": scene.instances[instance].node, "mesh": self.meshes.len() - 1 }),
+            );
+            start = end;
+        }
+    }
+
+    /// The unlit twin of a material.
+    fn material(&mut self, scene: &Scene, material: &Material) -> usize {
+        let mut look = json!({ "metallicFactor": 0.0, "roughnessFactor": 1.0 });
+        let mut alpha = material.alpha.clamp(0.0, 1.0);
+        if !material.emits() {
+            let shown = if scene.metals == MetalsAs::Black {
+                1.0 - material.metallic
+            } else {
+                1.0
+            };
+            let [r, g, b] = material
+                .base_color
+                .map(|c| (c * shown).clamp(0.0, 1.0))
+                .to_array();
+            alpha *= 1.0 - material.transmission;
+            look["baseColorFactor"] = json!([r, g, b, alpha]);
+            if let Some(slot) = material.base_color_texture {
+                look["baseColorTexture"] = self.texture(slot);
+            }
+        }
+        let mut out = json!({
+            "name": material.name,
+            "pbrMetallicRoughness": look,
+            "extensions": { "KHR_materials_unlit": {} },
+        });
+        match material.alpha_mode {
+            AlphaMode::Mask { cutoff } => {
+                out["alphaMode"] = json!("MASK");
+                out["alphaCutoff"] = json!(cutoff.max(0.0));
+            }
+            AlphaMode::Blend => out["alphaMode"] = json!("BLEND"),
+            AlphaMode::Opaque if material.transmission > 0.0 => out["alphaMode"] = json!("BLEND"),
+            AlphaMode::Opaque => {}
+        }
+        self.materials.push(out);
+        self.materials.len() - 1
+    }
+
+    fn texture(&mut self, slot: TextureSlot) -> Value {
+        let mut texture = json!({ "index": slot.texture });
+        if slot.transform != glam::Affine2::IDENTITY {
+            self.transforms_used = true;
+            let (scale, angle, offset) = slot.transform.to_scale_angle_translation();
+            texture["extensions"] = json!({ "KHR_texture_transform": {
+                "offset": offset.to_array(), "rotation": -angle, "scale": scale.to_array() } });
+        }
+        texture
+    }
+
+    fn primitive(
+        &mut self,
+        solution: &Solution,
+        drawn: &DrawnMesh,
+        part: &DrawnPart,
+        material: usize,
+        look: Look,
+    ) -> Value {
+        let scene = solution.mesh().scene();
+        let source = &scene.materials[part.material];
+        let (vertices, triangles) = own_vertices(part);
+        let mut attributes = Map::new();
+        let gather = |f: &dyn Fn(usize) -> [f32; 3]| -> Vec<f32> {
+            vertices.iter().flat_map(|&v| f(v as usize)).collect()
+        };
+        let positions = gather(&|v| drawn.positions[v].to_array());
+        attributes.insert(
+            String::from("POSITION"),
+            json!(self.floats(&positions, 3, true)),
+        );
+        let colors = if source.emits() {
+            emitter_colors(solution, drawn, part, look)
+        } else {
+            gather(&|v| {
+                let light = (drawn.irradiance[v] * (look.exposure / PI)).map(|c| c.clamp(0.0, 1.0));
+                let own = drawn.colors[v];
+                (light * Rgb::new(own.x, own.y, own.z)).to_array()
+            })
+        };
+        if source.emits() {
+            // Values that differ from triangle to triangle need vertices of their own.
+            return self.emitter_primitive(drawn, part, material, &colors);
+        }
+        attributes.insert(
+            String::from("COLOR_0"),
+            json!(self.floats(&colors, 3, false)),
+        );
+        if let Some(slot) = source.base_color_texture {
+            let set = slot.texcoord_set.min(1);
+            let texcoords: Vec<f32> = vertices
+                .iter()
+                .flat_map(|&v| drawn.texcoords[v as usize][set].to_array())
+                .collect();
+            attributes.insert(
+                String::from("TEXCOORD_0"),
+                json!(self.floats(&texcoords, 2, false)),
+            );
+        }
+        let irradiance = gather(&|v| drawn.irradiance[v].to_array());
+        attributes.insert(
+            String::from("_IRRADIANCE"),
+            json!(self.floats(&irradiance, 3, false)),
+        );
+        json!({ "attributes": attributes, "indices": self.indices(&triangles), "material": material })
+    }
+
+    fn emitter_primitive(
+        &mut self,
+        drawn: &DrawnMesh,
+        part: &DrawnPart,
+        material: usize,
+        colors: &[f32],
+    ) -> Value {
+        let corners = || part.triangles.iter().flatten().map(|&v| v as usize);
+        let positions: Vec<f32> = corners()
+            .flat_map(|v| drawn.positions[v].to_array())
+            .collect();
+        let irradiance: Vec<f32> = corners()
+            .flat_map(|v| drawn.irradiance[v].to_array())
+            .collect();
+        json!({
+            "attributes": {
+                "POSITION": self.floats(&positions, 3, true),
+                "COLOR_0": self.floats(colors, 3, false),
+                "_IRRADIANCE": self.floats(&irradiance, 3, false),
+            },
+            "material": material,
+        })
+    }
+
+    fn cameras(&mut self, scene: &Scene) {
+        let near = scene
+            .bounds()
+            .map_or(0.01, |(low, high)| low.distance(high) * 1e-3)
+            .max(1e-6);
+        let cameras: Vec<Value> = scene
+            .cameras
+            .iter()
+            .map(|camera| camera_json(camera, near))
+            .collect();
+        for (i, camera) in scene.cameras.iter().enumerate() {
+            let rotation = Mat3::from_cols(camera.right(), camera.up, -camera.forward);
+            let rotation = Quat::from_mat3(&rotation).normalize();
+            self.nodes.push(json!({
+                "name": camera.name, "camera": i,
+                "translation": camera.eye.to_array(), "rotation": rotation.to_array(),
+            }));
+        }
+        if !cameras.is_empty() {
+            self.root.insert(String::from("cameras"), json!(cameras));
+        }
+    }
+
+    fn finish(mut self) -> Result<Vec<u8>, RadiosityError> {
+        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
+        let mut used = vec!["KHR_materials_unlit"];
+        if self.transforms_used {
+            used.push("KHR_texture_transform");
+        }
+        let root = &mut self.root;
+        let generator = concat!("hemicube ", env!("CARGO_PKG_VERSION"));
+        root.insert(
+            String::from("asset"),
+            json!({ "version": "2.0", "generator": generator }),
+        );
+        root.insert(String::from("extensionsUsed"), json!(used));
+        root.insert(String::from("scene"), json!(0));
+        root.insert(
+            String::from("scenes"),
+            json!([{ "nodes": (0..self.nodes.len()).collect::<Vec<_>>() }]),
+        );
+        root.insert(String::from("nodes"), json!(self.nodes));
+        root.insert(String::from("meshes"), json!(self.meshes));
+        root.insert(String::from("materials"), json!(self.materials));
+        root.insert(String::from("accessors"), json!(self.accessors));
+        root.insert(String::from("bufferViews"), json!(self.views));
+        root.insert(
+            String::from("buffers"),
+            json!([{ "byteLength": self.binary.len() }]),
+        );
+        let mut text = Value::Object(self.root).to_string().into_bytes();
+        text.resize(text.len().next_multiple_of(4), b' ');
+        let length = 12 + 8 + text.len() + 8 + self.binary.len();
+        let too_large = || {
+            RadiosityError::File(format!(
+                "the lit .glb would have {length} bytes, the format holds 4 GiB; use fewer elements"
+            ))
+        };
+        let word = |n: usize| {
+            u32::try_from(n)
+                .map(u32::to_le_bytes)
+                .map_err(|_| too_large())
+        };
+        let mut out = Vec::with_capacity(length);
+        out.extend_from_slice(b"glTF");
+        out.extend_from_slice(&2_u32.to_le_bytes());
+        out.extend_from_slice(&word(length)?);
+        out.extend_from_slice(&word(text.len())?);
+        out.extend_from_slice(b"JSON");
+        out.extend_from_slice(&text);
+        out.extend_from_slice(&word(self.binary.len())?);
+        out.extend_from_slice(b"BIN\0");
+        out.extend_from_slice(&self.binary);
+        Ok(out)
+    }
+}
+
+/// The vertices that a part uses, in the order of first use, and its triangles over them.
+fn own_vertices(part: &DrawnPart) -> (Vec<u32>, Vec<[u32; 3]>) {
+    let mut local = std::collections::HashMap::new();
+    let mut vertices = Vec::new();
+    let triangles = part
+        .triangles
+        .iter()
+        .map(|triangle| {
+            triangle.map(|v| {
+                *local.entry(v).or_insert_with(|| {
+                    vertices.push(v);
+                    crate::index32(vertices.len() - 1)
+                })
+            })
+        })
+        .collect();
+    (vertices, triangles)
+}
+
+/// Tone-mapped light of emitters, for each corner of each triangle.
+fn emitter_colors(
+    solution: &Solution,
+    drawn: &DrawnMesh,
+    part: &DrawnPart,
+    look: Look,
+) -> Vec<f32> {
+    let corners = part
+        .triangles
+        .iter()
+        .zip(&part.elements)
+        .flat_map(|(t, &e)| t.map(|v| (v as usize, e as usize)));
+    corners
+        .flat_map(|(v, e)| {
+            let reflected = solution.mesh().reflectance()[e] * drawn.irradiance[v];
+            let radiance = (solution.element_exitance(e) + reflected) / PI;
+            look.tone_map
+                .apply(radiance, look.exposure)
+                .map(|c| c.clamp(0.0, 1.0))
+                .to_array()
+        })
+        .collect()
+}
+
+fn camera_json(camera: &Camera, near: f32) -> Value {
+    match camera.projection {
+        Projection::Perspective {
+            vertical_fov,
+            aspect,
+        } => {
+            let mut perspective = json!({ "yfov": vertical_fov, "znear": near });
+            if let Some(aspect) = aspect.filter(|a| *a > 0.0) {
+                perspective["aspectRatio"] = json!(aspect);
+            }
+            json!({ "type": "perspective", "name": camera.name, "perspective": perspective })
+        }
+        Projection::Orthographic {
+            half_width,
+            half_height,
+        } => json!({
+            "type": "orthographic", "name": camera.name,
+            "orthographic": { "xmag": half_width, "ymag": half_height, "znear": 0.0, "zfar": near * 2000.0 },
+        }),
+    }
+}
+
+fn wrap_code(wrap: Wrap) -> u32 {
+    match wrap {
+        Wrap::Repeat => 10497,
+        Wrap::MirroredRepeat => 33648,
+        Wrap::ClampToEdge => 33071,
+    }
+}
+
+/// Whether a file is a lit `.glb` of ours, that is, [`read`] is worth trying.
+pub fn is_lit(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"glTF")
+        && document(bytes).is_ok_and(|(root, _)| root["extras"]["hemicube"]["state"].is_u64())
+}
+
+/// The solution that a lit `.glb` holds, on the same mesh as when it was written.
+///
+/// # Errors
+/// A file without our state, of another version, or damaged; the message is one line without the file's name.
+pub fn read(bytes: &[u8]) -> Result<Solution, RadiosityError> {
+    let damaged = |what: &str| RadiosityError::File(format!("{what}; solve the scene again"));
+    let (root, binary) = document(bytes).map_err(|e| damaged(&e))?;
+    let own = &root["extras"]["hemicube"];
+    match own["version"].as_u64() {
+        Some(VERSION) => {}
+        Some(other) => {
+            return Err(damaged(&format!(
+                "its solution has layout {other}, this program reads {VERSION}"
+            )));
+        }
+        None => return Err(damaged("it holds no solution")),
+    }
+    let state = view_bytes(&root, binary, own["state"].as_u64())
+        .ok_or_else(|| damaged("its solution is cut off"))?;
+    let state: State<'_> = postcard::from_bytes(state)
+        .map_err(|e| damaged(&format!("its solution is damaged ({e})")))?;
+    let mut scene = state.scene.into_owned();
+    for (i, image) in root["images"].as_array().into_iter().flatten().enumerate() {
+        let bytes = view_bytes(&root, binary, image["bufferView"].as_u64())
+            .ok_or_else(|| damaged(&format!("image {i} is cut off")))?;
+        let name = image["name"].as_str().unwrap_or_default();
+        let decoded = TextureImage::decode(name, bytes.to_vec())
+            .map_err(|e| damaged(&format!("image {i}: {e}")))?;
+        scene.images.push(decoded);
+    }
+    let mesh = Arc::new(PatchMesh::build(Arc::new(scene), state.mesh)?);
+    Solution::from_data(mesh, state.solution).map_err(|e| damaged(&e))
+}
+
+/// The JSON and the binary chunk of a `.glb`.
+fn document(bytes: &[u8]) -> Result<(Value, &[u8]), String> {
+    let parts = container::split(bytes).map_err(|_| String::from("it is not a whole .glb"))?;
+    let root: Value =
+        serde_json::from_slice(parts.json).map_err(|e| format!("its JSON is damaged ({e})"))?;
+    Ok((root, parts.binary.unwrap_or_default()))
+}
+
+fn view_bytes<'a>(root: &Value, binary: &'a [u8], view: Option<u64>) -> Option<&'a [u8]> {
+    let view = root["bufferViews"].get(usize::try_from(view?).ok()?)?;
+    let start = usize::try_from(view["byteOffset"].as_u64().unwrap_or(0)).ok()?;
+    let length = usize::try_from(view["byteLength"].as_u64()?).ok()?;
+    binary.get(start..start.checked_add(length)?)
+}

@@ -1,0 +1,3 @@
+//! Solutions in files that other programs open.
+
+pub mod lit_glb;

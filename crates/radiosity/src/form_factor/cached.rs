@@ -1,0 +1,56 @@
+//! Rows kept in memory for solvers that ask for them again.
+
+use crate::form_factor::{FormFactors, Row};
+use crate::patch::{NodeId, PatchMesh};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
+
+/// Keeps the rows of another method as long as they fit a budget.
+#[derive(Debug)]
+pub struct Cached<F> {
+    inner: F,
+    rows: Vec<OnceLock<Row>>,
+    budget: usize,
+    used: AtomicUsize,
+}
+
+impl<F: FormFactors> Cached<F> {
+    /// Keeps at most `budget` bytes of rows.
+    pub fn new(inner: F, budget: usize) -> Self {
+        let mut rows = Vec::new();
+        rows.resize_with(inner.mesh().nodes().len(), OnceLock::new);
+        Self {
+            inner,
+            rows,
+            budget,
+            used: AtomicUsize::new(0),
+        }
+    }
+}
+
+impl<F: FormFactors> FormFactors for Cached<F> {
+    fn mesh(&self) -> &Arc<PatchMesh> {
+        self.inner.mesh()
+    }
+
+    fn fill_row(&self, source: NodeId, row: &mut Row) {
+        let Some(slot) = self.rows.get(source.index()) else {
+            return self.inner.fill_row(source, row);
+        };
+        if let Some(kept) = slot.get() {
+            row.clone_from(kept);
+            return;
+        }
+        self.inner.fill_row(source, row);
+        let bytes = row.bytes();
+        if self.used.fetch_add(bytes, Ordering::Relaxed) + bytes <= self.budget {
+            slot.get_or_init(|| row.clone());
+        } else {
+            self.used.fetch_sub(bytes, Ordering::Relaxed);
+        }
+    }
+
+    fn rays(&self) -> u64 {
+        self.inner.rays()
+    }
+}

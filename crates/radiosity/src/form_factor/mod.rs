@@ -1,0 +1,79 @@
+//! Form factors: which share of the light that leaves one node arrives where.
+
+pub mod cached;
+pub mod polygon;
+pub mod raycast;
+
+pub use cached::Cached;
+pub use raycast::{RayCast, RayCastOptions};
+
+use crate::patch::{NodeId, PatchMesh};
+use std::sync::Arc;
+
+/// One row of form factors: everything that leaves a node, accounted for.
+///
+/// For each band, `Σ_e fractions_e (1 - transmittance_e) + absorbed + escaped = 1`: what arrives at an element and is
+/// not let through, what backs of one-sided surfaces absorb, and what meets nothing.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Row {
+    /// 1 if the factors hold for all bands, 3 if glass makes them differ.
+    pub bands: usize,
+    /// Elements that receive something, by their position in [`PatchMesh::elements`], ascending.
+    pub receivers: Vec<u32>,
+    /// Form factors `F_Pe` to the receivers, `[band][receiver]`.
+    pub fractions: Vec<f32>,
+    /// Share that arrives at backs which do not receive, per band.
+    pub absorbed: [f32; 3],
+    /// Share that meets no surface, per band.
+    pub escaped: [f32; 3],
+}
+
+impl Row {
+    /// The factors of one band.
+    pub fn band(&self, band: usize) -> &[f32] {
+        let n = self.receivers.len();
+        let band = if self.bands == 1 { 0 } else { band };
+        &self.fractions[band * n..(band + 1) * n]
+    }
+
+    /// Empties the row for another number of bands.
+    pub fn clear(&mut self, bands: usize) {
+        self.bands = bands;
+        self.receivers.clear();
+        self.fractions.clear();
+        self.absorbed = [0.0; 3];
+        self.escaped = [0.0; 3];
+    }
+
+    /// The left side of the sum that should be 1, in one band.
+    pub fn sum(&self, mesh: &PatchMesh, band: usize) -> f64 {
+        let received: f64 = self
+            .receivers
+            .iter()
+            .zip(self.band(band))
+            .map(|(&e, &f)| f64::from(f) * f64::from(1.0 - mesh.transmittance()[e as usize][band]))
+            .sum();
+        received + f64::from(self.absorbed[band]) + f64::from(self.escaped[band])
+    }
+
+    /// Bytes of its arrays.
+    pub fn bytes(&self) -> usize {
+        4 * (self.receivers.len() + self.fractions.len())
+    }
+}
+
+/// A way to form factors: one verb.
+pub trait FormFactors: Send + Sync {
+    /// The mesh between whose nodes the factors are.
+    fn mesh(&self) -> &Arc<PatchMesh>;
+
+    /// Fills the row of one node: the shares of what leaves it that arrive at each element.
+    ///
+    /// The same node always gives the same row, bit for bit, on any number of threads.
+    fn fill_row(&self, source: NodeId, row: &mut Row);
+
+    /// Rays cast so far, where rays are cast.
+    fn rays(&self) -> u64 {
+        0
+    }
+}

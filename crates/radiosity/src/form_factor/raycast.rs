@@ -1,0 +1,445 @@
+//! Form factors with visibility by casting rays, two ways.
+//!
+//! *Pairs* (after Wallace, Elmquist, Haines 1989): the unoccluded factor to every element in front, computed by
+//! [`exchange_area`](super::polygon::exchange_area), times the share of rays between points of both that get through.
+//! Unoccluded light is free of noise; the error is that of visibility, at most about `1/(2√k)` of the factor where `k`
+//! rays meet a shadow edge, and that geometry and visibility are taken as independent within one pair.
+//!
+//! *Shots*: rays leave the patch in cosine-distributed directions and count where they arrive. The cost does not depend
+//! on the number of elements; each factor `F` has a standard error below `√(F/N)`.
+//!
+//! Either way the row closes exactly: what is not received is split between backs and the outside as a ray-cast probe
+//! of the hemisphere says, and in a closed surrounding the factors are scaled to sum to 1.
+
+use crate::form_factor::polygon::{FlatPolygon, exchange_area};
+use crate::form_factor::{FormFactors, Row};
+use crate::patch::exposure::ExposedArea;
+use crate::patch::{NodeId, NodeKind, PatchMesh, Polygon};
+use crate::sampling::{cosine_direction, hash, point4, polygon_point};
+use crate::visibility::{Hit, Visibility};
+use glam::Vec3;
+use hemicube_raster::Rgb;
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Elements up to which every patch's row is made of pairs.
+const PAIRS_UP_TO_ELEMENTS: usize = 20_000;
+/// Pairs that emitters may cost together in larger scenes.
+const PAIRS_FOR_EMITTERS: usize = 40_000_000;
+/// Most rays of one pair and of one shot.
+const MAX_PAIR_RAYS: u32 = 64;
+const MAX_SHOT_RAYS: f64 = 262_144.0;
+const MIN_SHOT_RAYS: f64 = 64.0;
+
+/// How the rays are spent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RayCastOptions {
+    /// Rays that an element's hemisphere gets, shared among the patches by their form factors; a shot casts as many per
+    /// element of average area. Default value: 512.
+    pub rays: u32,
+    /// Way to the factors. Default value: chosen by the size of the scene.
+    pub strategy: Strategy,
+    /// Shifts the low-discrepancy sequences. Default value: 0.
+    pub seed: u64,
+}
+
+/// Way to the factors of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Strategy {
+    /// Pairs in scenes of up to 20,000 elements and for the emitters of larger ones, shots otherwise.
+    Automatic,
+    /// Always pairs.
+    Pairs,
+    /// Always shots.
+    Shots,
+}
+
+impl Default for RayCastOptions {
+    fn default() -> Self {
+        Self {
+            rays: 512,
+            strategy: Strategy::Automatic,
+            seed: 0,
+        }
+    }
+}
+
+/// Ray-cast form factors.
+#[derive(Debug)]
+pub struct RayCast {
+    mesh: Arc<PatchMesh>,
+    options: RayCastOptions,
+    bands: usize,
+    pairs_everywhere: bool,
+    pairs_for_emitters: bool,
+    mean_element_area: f64,
+    rays: AtomicU64,
+}
+
+impl RayCast {
+    /// Factors between the nodes of a mesh.
+    pub fn new(mesh: Arc<PatchMesh>, options: RayCastOptions) -> Self {
+        let elements = mesh.elements().len();
+        let emitting_patches = mesh.patches().iter().filter(|&&p| emits(&mesh, p)).count();
+        let total: f64 = mesh
+            .elements()
+            .iter()
+            .map(|&e| f64::from(mesh.node(e).area))
+            .sum();
+        Self {
+            bands: if mesh.visibility().is_tinted() { 3 } else { 1 },
+            pairs_everywhere: match options.strategy {
+                Strategy::Automatic => elements <= PAIRS_UP_TO_ELEMENTS,
+                strategy => strategy == Strategy::Pairs,
+            },
+            pairs_for_emitters: options.strategy == Strategy::Automatic
+                && emitting_patches.saturating_mul(elements) <= PAIRS_FOR_EMITTERS,
+            mean_element_area: total / elements.max(1) as f64,
+            rays: AtomicU64::new(0),
+            options: RayCastOptions {
+                rays: options.rays.max(1),
+                ..options
+            },
+            mesh,
+        }
+    }
+
+    fn pairs(&self, source: NodeId, row: &mut Row) {
+        let mesh = &*self.mesh;
+        let from = Shooter::new(mesh, source);
+        let boost = if emits(mesh, source) { 4.0 } else { 1.0 };
+        let found: Vec<(u32, Rgb)> = mesh
+            .elements()
+            .par_iter()
+            .enumerate()
+            .with_min_len(256)
+            .filter_map(|(e, &id)| {
+                let fraction = self.pair(&from, e, id, boost);
+                (!fraction.is_black()).then(|| (crate::index32(e), fraction))
+            })
+            .collect();
+        for &(e, _) in &found {
+            row.receivers.push(e);
+        }
+        for band in 0..self.bands {
+            row.fractions
+                .extend(found.iter().map(|(_, fraction)| fraction[band]));
+        }
+        let [_, backs, outside] = self.probe(&from);
+        close(mesh, row, backs, outside);
+    }
+
+    /// `F_Pe` in each band.
+    fn pair(&self, from: &Shooter, e: usize, element: NodeId, boost: f64) -> Rgb {
+        let mesh = &*self.mesh;
+        let node = mesh.node(element);
+        let polygon = mesh.polygon(element);
+        if from.is_apart(node.normal, &polygon) {
+            return Rgb::BLACK;
+        }
+        let flat = FlatPolygon::new(&polygon, node.normal);
+        let exchange = exchange_area(&from.flat, &flat);
+        if exchange <= 0.0 {
+            return Rgb::BLACK;
+        }
+        let share = exchange / f64::from(node.area).max(1e-30) * boost;
+        let rays = ray_count(
+            share * f64::from(self.options.rays),
+            1.0,
+            f64::from(MAX_PAIR_RAYS),
+        );
+        let seed = hash(
+            u64::from(from.id.0) ^ self.options.seed,
+            u64::from(element.0),
+        );
+        let exposed = mesh.exposed(e);
+        if exposed.area() == 0.0 {
+            return Rgb::BLACK;
+        }
+        let visible = self.visible_share(from, &exposed, node.normal, rays, seed);
+        visible * to_f32(exchange / from.area) * (exposed.area() / node.area)
+    }
+
+    /// Mean transmittance over point pairs of the shooter and an element, weighted by the kernel `cos cos / r²`.
+    fn visible_share(
+        &self,
+        from: &Shooter,
+        to: &ExposedArea,
+        normal: Vec3,
+        rays: u32,
+        seed: u64,
+    ) -> Rgb {
+        let mut sum = Rgb::BLACK;
+        let mut weights = 0.0;
+        for i in 0..rays {
+            let [u, v, s, t] = point4(i, seed);
+            let x = from.point([u, v]);
+            let y = to.point([s, t]);
+            let offset = y - x;
+            let squared = offset.length_squared();
+            let weight = (offset.dot(from.normal) * -offset.dot(normal)).max(0.0)
+                / (squared * (squared + from.kernel_floor)).max(1e-30);
+            if weight > 0.0 {
+                let (from, to) = (
+                    x + from.normal * Visibility::offset(x),
+                    y + normal * Visibility::offset(y),
+                );
+                sum += self.mesh.visibility().transmittance(from, to) * weight;
+                weights += weight;
+            }
+        }
+        self.rays.fetch_add(u64::from(rays), Ordering::Relaxed);
+        if weights > 0.0 {
+            sum / weights
+        } else {
+            Rgb::BLACK
+        }
+    }
+
+    /// Shares of light that arrive at fronts, at backs, and nowhere, per band.
+    fn probe(&self, from: &Shooter) -> [Rgb; 3] {
+        let rays = self.options.rays.clamp(64, 1024);
+        let tallies = self.cast(from, rays, |tally: &mut [Rgb; 2], hit, taken| {
+            tally[usize::from(
+                self.mesh()
+                    .element_at(hit.face, hit.side, hit.point)
+                    .is_none(),
+            )] += taken;
+        });
+        tallies
+            .into_iter()
+            .fold([Rgb::BLACK; 3], |mut sum: [Rgb; 3], (tally, escaped)| {
+                sum[0] += tally[0];
+                sum[1] += tally[1];
+                sum[2] += escaped;
+                sum
+            })
+    }
+
+    /// Casts cosine-distributed rays from a patch; `meet` adds what a surface keeps of a ray to the chunk's tally.
+    /// Returns the tally and the escaped share of each chunk of rays, in order.
+    fn cast<T: Default + Send>(
+        &self,
+        from: &Shooter,
+        rays: u32,
+        meet: impl Fn(&mut T, &Hit, Rgb) + Sync,
+    ) -> Vec<(T, Rgb)> {
+        const CHUNK: u32 = 1024;
+        let seed = hash(u64::from(from.id.0), self.options.seed ^ 0x5E11);
+        let share = 1.0 / rays as f32;
+        self.rays.fetch_add(u64::from(rays), Ordering::Relaxed);
+        (0..rays.div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let mut tally = T::default();
+                let mut escaped = Rgb::BLACK;
+                for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(rays) {
+                    let [u, v, s, t] = point4(i, seed);
+                    let x = from.point([u, v]);
+                    let direction = cosine_direction(from.normal, [s, t]);
+                    let origin = x + from.normal * Visibility::offset(x);
+                    escaped += self.mesh.visibility().follow(
+                        origin,
+                        direction,
+                        |hit, arriving, passing| {
+                            meet(&mut tally, hit, arriving * (Rgb::WHITE - passing) * share);
+                        },
+                    ) * share;
+                }
+                (tally, escaped)
+            })
+            .collect()
+    }
+
+    fn shots(&self, source: NodeId, row: &mut Row) {
+        let mesh = &*self.mesh;
+        let from = Shooter::new(mesh, source);
+        let wanted = f64::from(self.options.rays) * from.area / self.mean_element_area;
+        let rays = ray_count(wanted, MIN_SHOT_RAYS, MAX_SHOT_RAYS);
+        let tallies = self.cast(&from, rays, |arrivals: &mut Vec<(u32, Rgb)>, hit, taken| {
+            let element = mesh
+                .element_at(hit.face, hit.side, hit.point)
+                .map_or(u32::MAX, crate::index32);
+            arrivals.push((element, taken));
+        });
+        let mut arrivals = Vec::with_capacity(rays as usize);
+        let mut escaped = Rgb::BLACK;
+        for (tally, out) in tallies {
+            arrivals.extend(tally);
+            escaped += out;
+        }
+        arrivals.sort_by_key(|&(element, _)| element);
+        let (mut received, mut absorbed) = (Vec::<(u32, Rgb)>::new(), Rgb::BLACK);
+        for (element, taken) in arrivals {
+            match received.last_mut() {
+                _ if element == u32::MAX => absorbed += taken,
+                Some((last, sum)) if *last == element => *sum += taken,
+                _ => received.push((element, taken)),
+            }
+        }
+        for &(element, _) in &received {
+            row.receivers.push(element);
+        }
+        for band in 0..self.bands {
+            row.fractions
+                .extend(received.iter().map(|&(element, taken)| {
+                    let kept = 1.0 - mesh.transmittance()[element as usize][band];
+                    if kept > 1e-6 { taken[band] / kept } else { 0.0 }
+                }));
+        }
+        close(mesh, row, absorbed, escaped);
+    }
+}
+
+impl FormFactors for RayCast {
+    fn mesh(&self) -> &Arc<PatchMesh> {
+        &self.mesh
+    }
+
+    fn fill_row(&self, source: NodeId, row: &mut Row) {
+        row.clear(self.bands);
+        if self.pairs_everywhere || (self.pairs_for_emitters && emits(self.mesh(), source)) {
+            self.pairs(source, row);
+        } else {
+            self.shots(source, row);
+        }
+    }
+
+    fn rays(&self) -> u64 {
+        self.rays.load(Ordering::Relaxed)
+    }
+}
+
+/// What a row needs to know of the node that shoots.
+struct Shooter {
+    id: NodeId,
+    polygon: Polygon,
+    flat: FlatPolygon,
+    normal: Vec3,
+    area: f64,
+    /// Keeps the kernel finite where both points meet: the area over π, as in the disk approximation.
+    kernel_floor: f32,
+    /// Its elements with running sums of their exposed areas, if a part of it is buried.
+    exposed: Vec<(f32, ExposedArea)>,
+}
+
+impl Shooter {
+    fn new(mesh: &PatchMesh, id: NodeId) -> Self {
+        let node = mesh.node(id);
+        let polygon = mesh.polygon(id);
+        let flat = FlatPolygon::new(&polygon, node.normal);
+        let area = flat.area().max(1e-30);
+        let exposed = exposed_parts(mesh, id);
+        Self {
+            id,
+            polygon,
+            flat,
+            normal: node.normal,
+            area,
+            kernel_floor: node.area / core::f32::consts::PI,
+            exposed,
+        }
+    }
+
+    /// A point of the exposed part for one of the unit square.
+    fn point(&self, [u, v]: [f32; 2]) -> Vec3 {
+        let Some(&(total, _)) = self.exposed.last() else {
+            return polygon_point(&self.polygon, [u, v]);
+        };
+        let wanted = u * total;
+        let i = self
+            .exposed
+            .partition_point(|&(sum, _)| sum <= wanted)
+            .min(self.exposed.len() - 1);
+        let start = if i == 0 { 0.0 } else { self.exposed[i - 1].0 };
+        let within = (wanted - start) / (self.exposed[i].0 - start).max(1e-30);
+        self.exposed[i].1.point([within.clamp(0.0, 0.999_999), v])
+    }
+
+    /// Whether one polygon lies wholly behind the other's plane, up to rounding.
+    fn is_apart(&self, normal: Vec3, polygon: &[Vec3]) -> bool {
+        let behind = |corners: &[Vec3], origin: Vec3, normal: Vec3| {
+            let tolerance = 2e-6
+                * origin
+                    .abs()
+                    .max_element()
+                    .max(corners[0].abs().max_element());
+            corners
+                .iter()
+                .all(|&c| (c - origin).dot(normal) <= tolerance)
+        };
+        behind(polygon, self.polygon[0], self.normal) || behind(&self.polygon, polygon[0], normal)
+    }
+}
+
+/// The exposed elements of a patch with running sums of their areas; empty if all of it is exposed, or none.
+fn exposed_parts(mesh: &PatchMesh, id: NodeId) -> Vec<(f32, ExposedArea)> {
+    let Some(patch) = mesh.patch_of_node(id) else {
+        return Vec::new();
+    };
+    let elements = mesh.elements_of_patch(patch);
+    if elements
+        .clone()
+        .all(|e| mesh.exposed_area(e) == mesh.node(mesh.elements()[e]).area)
+    {
+        return Vec::new();
+    }
+    let mut sum = 0.0;
+    let parts = elements
+        .map(|e| mesh.exposed(e))
+        .filter(|part| part.area() > 0.0);
+    parts
+        .map(|part| {
+            sum += part.area();
+            (sum, part)
+        })
+        .collect()
+}
+
+/// Makes a row account for everything: the rest goes to backs and outside in proportion, an excess is scaled away.
+fn close(mesh: &PatchMesh, row: &mut Row, backs: Rgb, outside: Rgb) {
+    let n = row.receivers.len();
+    for band in 0..3 {
+        let received = row.sum(mesh, band);
+        let (back, out) = (f64::from(backs[band]), f64::from(outside[band]));
+        let lost = back + out;
+        let rest = 1.0 - received;
+        if lost > 0.0 && rest >= 0.0 {
+            row.absorbed[band] = to_f32(rest * back / lost);
+            row.escaped[band] = to_f32(rest * out / lost);
+        } else if received > 0.0 {
+            // Of a row of one band the factors are scaled once.
+            if band < row.bands {
+                row.fractions[band * n..(band + 1) * n]
+                    .iter_mut()
+                    .for_each(|f| *f = to_f32(f64::from(*f) / received));
+            }
+        } else {
+            row.absorbed[band] = 1.0;
+        }
+    }
+}
+
+fn emits(mesh: &PatchMesh, id: NodeId) -> bool {
+    match mesh.node(id).kind {
+        NodeKind::Surface { face, .. } => {
+            mesh.scene().materials[mesh.faces()[face as usize].material as usize].emits()
+        }
+        NodeKind::Cluster { .. } => false,
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to a range of u32"
+)]
+fn ray_count(wanted: f64, least: f64, most: f64) -> u32 {
+    wanted.ceil().clamp(least, most) as u32
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "factors are kept in f32")]
+fn to_f32(x: f64) -> f32 {
+    x as f32
+}

@@ -1,0 +1,223 @@
+//! Irradiance at any point, gathered from the solution with visibility.
+//!
+//! The error is the solution's and the sampling's, not an interpolation's. Emitters are integrated on their own: the
+//! exact factor of each emitting patch from the point times the share of rays that reach it. Reflected light is
+//! gathered by cosine-distributed rays. Scenes with very many emitting patches are gathered by rays alone.
+
+use crate::form_factor::polygon::{FlatPolygon, point_to_polygon};
+use crate::patch::{NodeId, Polygon};
+use crate::primary::from_light;
+use crate::sampling::{cosine_direction, hash, point2, polygon_point};
+use crate::solution::Solution;
+use crate::visibility::Visibility;
+use core::f32::consts::PI;
+use glam::Vec3;
+use hemicube_raster::Rgb;
+
+/// Emitting patches above which they are not integrated one by one.
+const MAX_EMITTERS: usize = 512;
+
+/// How the rays are spent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GatherOptions {
+    /// Rays over the hemisphere of each point. Default value: 2048.
+    pub rays: u32,
+    /// Shifts the low-discrepancy sequences. Default value: 0.
+    pub seed: u64,
+}
+
+impl Default for GatherOptions {
+    fn default() -> Self {
+        Self {
+            rays: 2048,
+            seed: 0,
+        }
+    }
+}
+
+/// Gathers irradiance from one solution.
+#[derive(Debug)]
+pub struct Gatherer<'a> {
+    solution: &'a Solution,
+    visibility: &'a Visibility,
+    options: GatherOptions,
+    /// Radiosity of each element.
+    radiosity: Vec<Rgb>,
+    emitters: Vec<Emitter>,
+    /// Exitance of each element that is integrated through `emitters` and so left out of the rays.
+    integrated: Vec<Rgb>,
+}
+
+#[derive(Debug)]
+struct Emitter {
+    flat: FlatPolygon,
+    polygon: Polygon,
+    normal: Vec3,
+    exitance: Rgb,
+}
+
+impl<'a> Gatherer<'a> {
+    /// Prepares gathering.
+    pub fn new(solution: &'a Solution, options: GatherOptions) -> Self {
+        let mesh = solution.mesh();
+        let count = mesh.elements().len();
+        let emitters = emitters(solution);
+        let integrated = if emitters.is_empty() {
+            vec![Rgb::BLACK; count]
+        } else {
+            (0..count).map(|e| solution.element_exitance(e)).collect()
+        };
+        Self {
+            radiosity: (0..count).map(|e| solution.element_radiosity(e)).collect(),
+            emitters,
+            integrated,
+            options: GatherOptions {
+                rays: options.rays.max(1),
+                ..options
+            },
+            solution,
+            visibility: mesh.visibility(),
+        }
+    }
+
+    /// Irradiance at a point on a surface whose unit normal points to the side that is measured: lx or W/m².
+    pub fn irradiance(&self, point: Vec3, normal: Vec3) -> Rgb {
+        let bits = |x: f32| u64::from(x.to_bits());
+        let place = hash(hash(bits(point.x), bits(point.y)), bits(point.z));
+        let seed = hash(place, self.options.seed);
+        self.direct(point, normal, seed) + self.reflected(point, normal, seed)
+    }
+
+    /// From points, sun, and the emitting patches.
+    fn direct(&self, point: Vec3, normal: Vec3, seed: u64) -> Rgb {
+        let scene = self.solution.mesh().scene();
+        let dim = self
+            .solution
+            .groups()
+            .last()
+            .map_or(Rgb::WHITE, |group| group.dim);
+        let lights: Rgb = scene
+            .lights
+            .iter()
+            .map(|light| from_light(self.visibility, &light.kind, point, normal))
+            .sum();
+        let origin = point + normal * Visibility::offset(point);
+        let mut sum = lights * dim;
+        for (number, emitter) in self.emitters.iter().enumerate() {
+            let factor = point_to_polygon(point.as_dvec3(), normal.as_dvec3(), &emitter.flat);
+            if factor > 0.0 {
+                let rays = shadow_rays(factor, self.options.rays);
+                let visible =
+                    self.visible_share(origin, normal, emitter, rays, hash(seed, number as u64));
+                sum += emitter.exitance * visible * to_f32(factor);
+            }
+        }
+        sum
+    }
+
+    /// Share of an emitter's light that reaches a point, weighted by the kernel `cos cos / r²`.
+    fn visible_share(
+        &self,
+        origin: Vec3,
+        normal: Vec3,
+        emitter: &Emitter,
+        rays: u32,
+        seed: u64,
+    ) -> Rgb {
+        let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
+        for i in 0..rays {
+            let target = polygon_point(&emitter.polygon, point2(i, seed));
+            let offset = target - origin;
+            let squared = offset.length_squared();
+            let weight = (offset.dot(normal) * -offset.dot(emitter.normal)).max(0.0)
+                / (squared * squared).max(1e-30);
+            if weight > 0.0 {
+                let target = target + emitter.normal * Visibility::offset(target);
+                sum += self.visibility.transmittance(origin, target) * weight;
+                weights += weight;
+            }
+        }
+        if weights > 0.0 {
+            sum / weights
+        } else {
+            Rgb::BLACK
+        }
+    }
+
+    /// From everything that rays meet, less what is integrated directly.
+    fn reflected(&self, point: Vec3, normal: Vec3, seed: u64) -> Rgb {
+        let mesh = self.solution.mesh();
+        let sky = mesh.scene().sky
+            * self
+                .solution
+                .groups()
+                .last()
+                .map_or(Rgb::WHITE, |group| group.dim)
+            * PI;
+        let origin = point + normal * Visibility::offset(point);
+        let mut sum = Rgb::BLACK;
+        for i in 0..self.options.rays {
+            let direction = cosine_direction(normal, point2(i, seed));
+            let mut arriving = Rgb::BLACK;
+            let escaped = self.visibility.follow(origin, direction, |hit, share, _| {
+                if let Some(e) = mesh.element_at(hit.face, hit.side, hit.point) {
+                    arriving += share * (self.radiosity[e] - self.integrated[e]);
+                }
+            });
+            sum += arriving + escaped * sky;
+        }
+        sum / self.options.rays as f32
+    }
+}
+
+/// The emitting patches, unless there are too many to take one by one.
+fn emitters(solution: &Solution) -> Vec<Emitter> {
+    let mesh = solution.mesh();
+    let exitance = |patch: usize| -> Rgb {
+        let area = |e: usize| mesh.node(mesh.elements()[e]).area;
+        let flux: Rgb = mesh
+            .elements_of_patch(patch)
+            .map(|e| solution.element_exitance(e) * area(e))
+            .sum();
+        flux / mesh.node(mesh.patches()[patch]).area
+    };
+    let emitter = |(patch, &id): (usize, &NodeId)| {
+        let exitance = exitance(patch);
+        (!exitance.is_black()).then(|| {
+            let (polygon, normal) = (mesh.polygon(id), mesh.node(id).normal);
+            Emitter {
+                flat: FlatPolygon::new(&polygon, normal),
+                polygon,
+                normal,
+                exitance,
+            }
+        })
+    };
+    let found: Vec<Emitter> = mesh
+        .patches()
+        .iter()
+        .enumerate()
+        .filter_map(emitter)
+        .take(MAX_EMITTERS + 1)
+        .collect();
+    if found.len() > MAX_EMITTERS {
+        Vec::new()
+    } else {
+        found
+    }
+}
+
+/// Rays to one emitter: in proportion to its factor, at least sixteen.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to a small range"
+)]
+fn shadow_rays(factor: f64, rays: u32) -> u32 {
+    (factor * 8.0 * f64::from(rays)).ceil().clamp(16.0, 1024.0) as u32
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
+fn to_f32(x: f64) -> f32 {
+    x as f32
+}

@@ -1,0 +1,142 @@
+//! Low-discrepancy points, on polygons and over the hemisphere.
+//!
+//! Sequences are additive recurrences with the generalised golden ratio (Roberts 2018: `α_k = φ_d^-k`), shifted modulo
+//! 1 by a hash (Cranley, Patterson 1976). They need one multiplication a dimension and any prefix of them is even.
+
+use core::f32::consts::PI;
+use glam::Vec3;
+
+/// Inverse powers of the root of `x³ = x + 1`.
+const R2: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
+/// Inverse powers of the root of `x⁵ = x + 1`.
+const R4: [f64; 4] = [
+    0.856_674_883_854_502_9,
+    0.733_891_856_627_126,
+    0.628_706_721_037_767_4,
+    0.538_597_257_220_357_1,
+];
+
+/// Well-mixed 64 bits of two numbers (the finaliser of SplitMix64; Steele, Lea, Flood 2014).
+pub fn hash(a: u64, b: u64) -> u64 {
+    let mut z = a
+        .wrapping_mul(0x9E37_79B9_7F4A_7C15)
+        .wrapping_add(b)
+        .wrapping_add(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}
+
+/// Point `index` of the two-dimensional sequence with the shift of `seed`, in [0, 1)².
+pub fn point2(index: u32, seed: u64) -> [f32; 2] {
+    let shift = hash(seed, 0);
+    [
+        fraction(f64::from(index) * R2[0], shift),
+        fraction(f64::from(index) * R2[1], shift >> 32),
+    ]
+}
+
+/// Point `index` of the four-dimensional sequence with the shift of `seed`, in [0, 1)⁴.
+pub fn point4(index: u32, seed: u64) -> [f32; 4] {
+    let (low, high) = (hash(seed, 0), hash(seed, 1));
+    let i = f64::from(index);
+    [
+        fraction(i * R4[0], low),
+        fraction(i * R4[1], low >> 32),
+        fraction(i * R4[2], high),
+        fraction(i * R4[3], high >> 32),
+    ]
+}
+
+/// Fractional part of the sum of `x` and 32 shifting bits.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "a random number is wanted, not its last digits"
+)]
+fn fraction(x: f64, shift: u64) -> f32 {
+    let shifted = x + f64::from(shift as u32) * (1.0 / 4_294_967_296.0);
+    ((shifted - shifted.floor()) as f32).min(0.999_999_94)
+}
+
+/// Area-uniform point of a planar convex polygon of three or four corners for a point of the unit square.
+pub fn polygon_point(polygon: &[Vec3], [u, v]: [f32; 2]) -> Vec3 {
+    let triangle = |a: Vec3, b: Vec3, c: Vec3, u: f32, v: f32| {
+        // Shirley's square root: the map keeps neighbouring samples together.
+        let root = u.sqrt();
+        a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v)
+    };
+    match *polygon {
+        [a, b, c] => triangle(a, b, c, u, v),
+        [a, b, c, d] => {
+            // A parallelogram maps the square as it is; other quads go by the areas of their two halves.
+            let (e, f) = (b - a, d - a);
+            if (a + c - b - d).length_squared() <= 1e-10 * (e.length_squared() + f.length_squared())
+            {
+                return a + e * u + f * v;
+            }
+            let first = (b - a).cross(c - a).length();
+            let share = first / (first + (c - a).cross(d - a).length()).max(1e-30);
+            if u < share {
+                triangle(a, b, c, u / share, v)
+            } else {
+                triangle(a, c, d, (u - share) / (1.0 - share), v)
+            }
+        }
+        _ => polygon.first().copied().unwrap_or(Vec3::ZERO),
+    }
+}
+
+/// Point `index` of the sequence of `seed` in a polygon.
+pub fn point_in_polygon(polygon: &[Vec3], index: u32, seed: u64) -> Vec3 {
+    polygon_point(polygon, point2(index, seed))
+}
+
+/// Direction of cosine-weighted density `cos θ / π` around a unit normal (Malley's method over Shirley and Chiu's
+/// concentric map, which keeps neighbouring samples together).
+pub fn cosine_direction(normal: Vec3, [u, v]: [f32; 2]) -> Vec3 {
+    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    let (radius, angle) = if a == 0.0 && b == 0.0 {
+        (0.0, 0.0)
+    } else if a.abs() > b.abs() {
+        (a, PI / 4.0 * (b / a))
+    } else {
+        (b, PI / 2.0 - PI / 4.0 * (a / b))
+    };
+    let (x, y) = (radius * angle.cos(), radius * angle.sin());
+    let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    tangent * x + bitangent * y + normal * z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_follow_the_cosine() {
+        let n = 4096;
+        let mean: f32 = (0..n)
+            .map(|i| cosine_direction(Vec3::Z, point2(i, 7)).z)
+            .sum::<f32>()
+            / n as f32;
+        assert!(
+            (mean - 2.0 / 3.0).abs() < 1e-3,
+            "mean cosine {mean} of density cos θ / π is 2/3"
+        );
+    }
+
+    #[test]
+    fn points_of_a_trapezoid_are_uniform_in_area() {
+        let trapezoid = [Vec3::ZERO, Vec3::X * 4.0, Vec3::new(2.0, 1.0, 0.0), Vec3::Y];
+        let n = 4096;
+        let mean: Vec3 = (0..n)
+            .map(|i| point_in_polygon(&trapezoid, i, 3))
+            .sum::<Vec3>()
+            / n as f32;
+        let centre = Vec3::new(14.0 / 9.0, 4.0 / 9.0, 0.0);
+        assert!(
+            mean.distance(centre) < 5e-3,
+            "mean {mean} of the points, centre of mass {centre}"
+        );
+    }
+}

@@ -1,0 +1,355 @@
+//! What a solver works on and what it leaves behind.
+
+use crate::patch::PatchMesh;
+use hemicube_raster::Rgb;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Bands of a channel block: red, green, blue.
+pub const BANDS: usize = 3;
+
+/// Light on a patch mesh: irradiance, exitance, reflectance and what has not been shot yet.
+///
+/// Arrays are flat, `[group][band][element]`; light is linear, so groups of luminaires are kept apart and dimmed
+/// without solving again. Radiosity is derived: `B = E + ρ H`.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    mesh: Arc<PatchMesh>,
+    groups: Vec<LightGroup>,
+    irradiance: Vec<f32>,
+    exitance: Vec<f32>,
+    unshot: Vec<f32>,
+    balance: Vec<[EnergyBalance; BANDS]>,
+    /// How it was obtained.
+    pub provenance: Provenance,
+}
+
+/// Luminaires that are dimmed together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LightGroup {
+    /// Name of the group.
+    pub name: String,
+    /// Factor on everything that comes from it; 1 as solved.
+    pub dim: Rgb,
+}
+
+/// How a solution was obtained.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Solver's name as on the command line.
+    pub solver: String,
+    /// Name of the form-factor method as on the command line.
+    pub form_factors: String,
+    /// Rays for each hemisphere.
+    pub rays_per_hemisphere: u32,
+    /// Seed of the sampling sequences.
+    pub seed: u64,
+    /// Shots so far.
+    pub steps: u64,
+    /// Rays cast so far.
+    pub rays: u64,
+    /// Wall-clock seconds spent so far.
+    pub seconds: f64,
+}
+
+/// Where the light is, in lm or W (of scene units): `emitted = absorbed + unshot + escaped`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct EnergyBalance {
+    /// Flux of the emitters; of points, sun and sky the flux of first hits.
+    pub emitted: f64,
+    /// Flux that surfaces turned into heat.
+    pub absorbed: f64,
+    /// Flux that left the scene.
+    pub escaped: f64,
+}
+
+impl EnergyBalance {
+    /// `|emitted - absorbed - unshot - escaped| / emitted`; 0 if nothing is emitted.
+    pub fn relative_error(&self, unshot: f64) -> f64 {
+        if self.emitted == 0.0 {
+            return 0.0;
+        }
+        ((self.emitted - self.absorbed - unshot - self.escaped) / self.emitted).abs()
+    }
+}
+
+/// The arrays of a solution as they are stored: everything but the mesh.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct SolutionData {
+    pub(crate) groups: Vec<LightGroup>,
+    pub(crate) irradiance: Vec<f32>,
+    pub(crate) exitance: Vec<f32>,
+    pub(crate) unshot: Vec<f32>,
+    pub(crate) balance: Vec<[EnergyBalance; BANDS]>,
+    pub(crate) provenance: Provenance,
+}
+
+/// Which emitters share a channel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Grouping {
+    /// All light together.
+    #[default]
+    Together,
+    /// Each emitting material on its own, then the lights without an area and the sky as one.
+    ByMaterial,
+}
+
+impl Solution {
+    /// Light before the first step: emitters, and what lights and sky bring directly (`primary`, per element).
+    pub fn new(mesh: Arc<PatchMesh>, primary: &[Rgb], grouping: Grouping) -> Self {
+        let elements = mesh.elements().len();
+        assert_eq!(
+            primary.len(),
+            elements,
+            "one primary irradiance for each element"
+        );
+        let (names, group_of) = groups(&mesh, grouping);
+        let mut solution = Self {
+            irradiance: vec![0.0; names.len() * BANDS * elements],
+            exitance: vec![0.0; names.len() * BANDS * elements],
+            unshot: vec![0.0; names.len() * BANDS * elements],
+            balance: vec![[EnergyBalance::default(); BANDS]; names.len()],
+            groups: names
+                .into_iter()
+                .map(|name| LightGroup {
+                    name,
+                    dim: Rgb::WHITE,
+                })
+                .collect(),
+            provenance: Provenance::default(),
+            mesh,
+        };
+        let last = solution.groups.len() - 1;
+        for e in 0..elements {
+            solution.add_primary(last, e, primary[e]);
+            solution.add_emission(group_of[e], e);
+        }
+        solution
+    }
+
+    fn add_primary(&mut self, group: usize, e: usize, irradiance: Rgb) {
+        let (area, reflectance) = (self.area(e), self.mesh.reflectance()[e]);
+        let kept = Rgb::WHITE - self.mesh.transmittance()[e];
+        for band in 0..BANDS {
+            let i = self.index(group, band, e);
+            self.irradiance[i] += irradiance[band];
+            self.unshot[i] += reflectance[band] * irradiance[band];
+            let flux = f64::from(irradiance[band]) * area;
+            self.balance[group][band].emitted += flux * f64::from(kept[band]);
+            self.balance[group][band].absorbed += flux * f64::from(kept[band] - reflectance[band]);
+        }
+    }
+
+    fn add_emission(&mut self, group: usize, e: usize) {
+        let (area, emission) = (self.area(e), self.mesh.emission()[e]);
+        for band in 0..BANDS {
+            let i = self.index(group, band, e);
+            self.exitance[i] += emission[band];
+            self.unshot[i] += emission[band];
+            self.balance[group][band].emitted += f64::from(emission[band]) * area;
+        }
+    }
+
+    fn index(&self, group: usize, band: usize, element: usize) -> usize {
+        (group * BANDS + band) * self.mesh.elements().len() + element
+    }
+
+    fn area(&self, element: usize) -> f64 {
+        f64::from(self.mesh.exposed_area(element))
+    }
+
+    /// The mesh it lives on.
+    pub fn mesh(&self) -> &Arc<PatchMesh> {
+        &self.mesh
+    }
+
+    /// Groups of luminaires.
+    pub fn groups(&self) -> &[LightGroup] {
+        &self.groups
+    }
+
+    /// Dims or tints a group; nothing is solved again.
+    pub fn set_dim(&mut self, group: usize, dim: Rgb) {
+        self.groups[group].dim = dim;
+    }
+
+    /// Irradiance of each element from one group in one band, undimmed: lx or W/m².
+    pub fn irradiance(&self, group: usize, band: usize) -> &[f32] {
+        self.channel(&self.irradiance, group, band)
+    }
+
+    /// Emitted exitance of each element in one group and band, undimmed: lm/m² or W/m².
+    pub fn exitance(&self, group: usize, band: usize) -> &[f32] {
+        self.channel(&self.exitance, group, band)
+    }
+
+    /// Radiosity that has not been shot yet, of each element in one group and band, undimmed; it may be negative.
+    pub fn unshot(&self, group: usize, band: usize) -> &[f32] {
+        self.channel(&self.unshot, group, band)
+    }
+
+    fn channel<'a>(&self, values: &'a [f32], group: usize, band: usize) -> &'a [f32] {
+        let n = self.mesh.elements().len();
+        let start = (group * BANDS + band) * n;
+        &values[start..start + n]
+    }
+
+    /// All channels at once for a solver: irradiance, unshot and balance, `[group][band][element]`.
+    pub(crate) fn channels_mut(
+        &mut self,
+    ) -> (&mut [f32], &mut [f32], &mut [[EnergyBalance; BANDS]]) {
+        (&mut self.irradiance, &mut self.unshot, &mut self.balance)
+    }
+
+    fn sum_over_groups(&self, values: &[f32], element: usize) -> Rgb {
+        let n = self.mesh.elements().len();
+        let of_group = |(g, group): (usize, &LightGroup)| {
+            let at = |band: usize| values[(g * BANDS + band) * n + element];
+            Rgb::new(at(0), at(1), at(2)) * group.dim
+        };
+        self.groups.iter().enumerate().map(of_group).sum()
+    }
+
+    /// Irradiance of an element from all groups as dimmed.
+    pub fn element_irradiance(&self, element: usize) -> Rgb {
+        self.sum_over_groups(&self.irradiance, element)
+    }
+
+    /// Emitted exitance of an element as dimmed.
+    pub fn element_exitance(&self, element: usize) -> Rgb {
+        self.sum_over_groups(&self.exitance, element)
+    }
+
+    /// Radiosity `B = E + ρ H` of an element as dimmed.
+    pub fn element_radiosity(&self, element: usize) -> Rgb {
+        self.element_exitance(element)
+            + self.mesh.reflectance()[element] * self.element_irradiance(element)
+    }
+
+    /// Energy balance of a group and band, undimmed.
+    pub fn balance(&self, group: usize, band: usize) -> EnergyBalance {
+        self.balance[group][band]
+    }
+
+    /// Energy balance of a band over all groups, undimmed.
+    pub fn total_balance(&self, band: usize) -> EnergyBalance {
+        self.balance
+            .iter()
+            .map(|g| g[band])
+            .fold(EnergyBalance::default(), |a, b| EnergyBalance {
+                emitted: a.emitted + b.emitted,
+                absorbed: a.absorbed + b.absorbed,
+                escaped: a.escaped + b.escaped,
+            })
+    }
+
+    /// Flux that has not been shot yet, in one band over all groups.
+    pub fn unshot_flux(&self, band: usize) -> f64 {
+        let n = self.mesh.elements().len();
+        (0..self.groups.len())
+            .map(|g| {
+                self.unshot(g, band)
+                    .iter()
+                    .zip(0..n)
+                    .map(|(&b, e)| f64::from(b) * self.area(e))
+                    .sum::<f64>()
+            })
+            .sum()
+    }
+
+    /// Unshot share of all emitted flux, over bands and groups; 0 if nothing is emitted.
+    pub fn unshot_fraction(&self) -> f64 {
+        let emitted: f64 = (0..BANDS)
+            .map(|band| self.total_balance(band).emitted)
+            .sum();
+        let unshot: f64 = (0..BANDS).map(|band| self.unshot_flux(band).abs()).sum();
+        if emitted > 0.0 { unshot / emitted } else { 0.0 }
+    }
+
+    /// Its arrays, for storing.
+    pub fn data(&self) -> SolutionData {
+        SolutionData {
+            groups: self.groups.clone(),
+            irradiance: self.irradiance.clone(),
+            exitance: self.exitance.clone(),
+            unshot: self.unshot.clone(),
+            balance: self.balance.clone(),
+            provenance: self.provenance.clone(),
+        }
+    }
+
+    /// Stored arrays on their mesh; the error says what does not fit.
+    pub fn from_data(mesh: Arc<PatchMesh>, data: SolutionData) -> Result<Self, String> {
+        let values = data
+            .groups
+            .len()
+            .saturating_mul(BANDS)
+            .saturating_mul(mesh.elements().len());
+        if data.groups.is_empty() || data.balance.len() != data.groups.len() {
+            return Err(String::from(
+                "its light groups do not fit its energy balance",
+            ));
+        }
+        for (name, array) in [
+            ("irradiance", &data.irradiance),
+            ("exitance", &data.exitance),
+            ("unshot", &data.unshot),
+        ] {
+            if array.len() != values {
+                return Err(format!(
+                    "{} values of {name} for {values} channels of elements",
+                    array.len()
+                ));
+            }
+            if array.iter().any(|x| !x.is_finite()) {
+                return Err(format!("a value of {name} is not finite"));
+            }
+        }
+        let SolutionData {
+            groups,
+            irradiance,
+            exitance,
+            unshot,
+            balance,
+            provenance,
+        } = data;
+        Ok(Self {
+            mesh,
+            groups,
+            irradiance,
+            exitance,
+            unshot,
+            balance,
+            provenance,
+        })
+    }
+}
+
+/// Names of the light groups, and the group of each element's own emission.
+fn groups(mesh: &PatchMesh, grouping: Grouping) -> (Vec<String>, Vec<usize>) {
+    let elements = mesh.elements();
+    if grouping == Grouping::Together {
+        return (vec![String::from("all")], vec![0; elements.len()]);
+    }
+    let materials = &mesh.scene().materials;
+    let emitting: Vec<usize> = (0..materials.len())
+        .filter(|&m| materials[m].emits())
+        .collect();
+    let mut names: Vec<String> = emitting
+        .iter()
+        .map(|&m| materials[m].name.clone())
+        .collect();
+    names.push(String::from("lights and sky"));
+    let group_of = |id| match mesh.node(id).kind {
+        crate::patch::NodeKind::Surface { face, .. } => {
+            let material = mesh.faces()[face as usize].material as usize;
+            emitting
+                .iter()
+                .position(|&m| m == material)
+                .unwrap_or(names.len() - 1)
+        }
+        crate::patch::NodeKind::Cluster { .. } => names.len() - 1,
+    };
+    let of_elements = elements.iter().map(|&id| group_of(id)).collect();
+    (names, of_elements)
+}

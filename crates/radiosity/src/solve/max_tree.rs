@@ -1,0 +1,76 @@
+//! The largest of many changing numbers.
+
+/// A complete binary tree whose nodes hold the maximum below them: changing a number costs `log n`, finding the largest
+/// as much.
+#[derive(Debug, Clone)]
+pub struct MaxTree {
+    leaves: usize,
+    values: Vec<f64>,
+}
+
+impl MaxTree {
+    /// A tree over these numbers.
+    pub fn new(numbers: &[f64]) -> Self {
+        let leaves = numbers.len().next_power_of_two().max(1);
+        let mut tree = Self {
+            leaves,
+            values: vec![0.0; 2 * leaves],
+        };
+        tree.values[leaves..leaves + numbers.len()].copy_from_slice(numbers);
+        for i in (1..leaves).rev() {
+            tree.values[i] = tree.values[2 * i].max(tree.values[2 * i + 1]);
+        }
+        tree
+    }
+
+    /// Changes a number.
+    pub fn set(&mut self, index: usize, number: f64) {
+        let mut i = self.leaves + index;
+        self.values[i] = number;
+        while i > 1 {
+            i /= 2;
+            let larger = self.values[2 * i].max(self.values[2 * i + 1]);
+            if self.values[i] == larger {
+                break;
+            }
+            self.values[i] = larger;
+        }
+    }
+
+    /// A number.
+    pub fn get(&self, index: usize) -> f64 {
+        self.values[self.leaves + index]
+    }
+
+    /// Index of the largest number, the first of equal ones, and the number.
+    pub fn largest(&self) -> (usize, f64) {
+        let mut i = 1;
+        while i < self.leaves {
+            i = if self.values[2 * i] >= self.values[2 * i + 1] {
+                2 * i
+            } else {
+                2 * i + 1
+            };
+        }
+        (i - self.leaves, self.values[i])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_the_largest_as_a_scan_does() {
+        let mut numbers: Vec<f64> = (0..37_u32).map(|i| f64::from(i * 7919 % 101)).collect();
+        let mut tree = MaxTree::new(&numbers);
+        for step in 0..200_u32 {
+            let i = (step * 31 % 37) as usize;
+            numbers[i] = f64::from(step * 104_729 % 997);
+            tree.set(i, numbers[i]);
+            let largest = numbers.iter().copied().fold(0.0, f64::max);
+            let first = numbers.iter().position(|&n| n == largest).unwrap_or(0);
+            assert_eq!(tree.largest(), (first, largest), "after step {step}");
+        }
+    }
+}

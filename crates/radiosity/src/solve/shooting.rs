@@ -1,0 +1,225 @@
+//! Progressive refinement by shooting (Cohen, Chen, Wallace, Greenberg 1988).
+//!
+//! A step takes one patch, spreads its unshot radiosity over all elements by its row of form factors, and leaves it
+//! with nothing unshot. Energy is kept at every step: what leaves is received, absorbed or escapes.
+
+use crate::form_factor::{FormFactors, Row};
+use crate::solution::{BANDS, Solution};
+use crate::solve::max_tree::MaxTree;
+use crate::solve::{Progress, Solver};
+use rayon::prelude::*;
+
+/// Which patch shoots next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// One after the other, round and round.
+    Cyclic,
+    /// Always the one with most unshot flux.
+    Sorted,
+}
+
+/// Patches above which several shoot in one step, so that small rows keep all threads busy.
+const BATCH_FROM_PATCHES: usize = 20_000;
+const BATCH: usize = 64;
+
+/// Shooting, in either order.
+pub struct Shooting<'a> {
+    factors: &'a dyn FormFactors,
+    solution: Solution,
+    order: Order,
+    /// Unshot flux of each patch, over channels.
+    unshot: MaxTree,
+    /// Signed unshot flux of all patches in each channel.
+    unshot_total: Vec<f64>,
+    emitted: f64,
+    next: usize,
+    batch: usize,
+    rows: Vec<Row>,
+}
+
+impl<'a> Shooting<'a> {
+    /// Goes on from a solution; a new one starts with the light of its emitters.
+    pub fn new(factors: &'a dyn FormFactors, solution: Solution, order: Order) -> Self {
+        let patches = solution.mesh().patches().len();
+        let emitted = (0..BANDS)
+            .map(|band| solution.total_balance(band).emitted)
+            .sum();
+        let batch = if patches > BATCH_FROM_PATCHES {
+            BATCH
+        } else {
+            1
+        };
+        let mut solver = Self {
+            factors,
+            order,
+            unshot: MaxTree::new(&[]),
+            unshot_total: vec![0.0; solution.groups().len() * BANDS],
+            emitted,
+            next: usize::try_from(solution.provenance.steps).unwrap_or(0) % patches.max(1),
+            batch,
+            rows: Vec::new(),
+            solution,
+        };
+        let fluxes: Vec<f64> = (0..patches).map(|p| magnitude(&solver.flux(p))).collect();
+        solver.unshot = MaxTree::new(&fluxes);
+        for p in 0..patches {
+            for (total, flux) in solver
+                .unshot_total
+                .iter_mut()
+                .zip(unshot_flux(&solver.solution, p))
+            {
+                *total += flux;
+            }
+        }
+        solver
+    }
+
+    /// The patch, by its position in the mesh's patches, that shoots in the next step.
+    pub fn next_patch(&self) -> usize {
+        match self.order {
+            Order::Cyclic => self.next,
+            Order::Sorted => self.unshot.largest().0,
+        }
+    }
+
+    fn flux(&self, patch: usize) -> Vec<f64> {
+        unshot_flux(&self.solution, patch)
+    }
+
+    /// The patches of the next step, without those that have nothing to shoot.
+    fn choose(&mut self) -> Vec<usize> {
+        let mut chosen = Vec::with_capacity(self.batch);
+        let patches = self.solution.mesh().patches().len();
+        for _ in 0..self.batch {
+            let patch = match self.order {
+                Order::Sorted => self.unshot.largest().0,
+                Order::Cyclic => {
+                    let found = (0..patches)
+                        .map(|i| (self.next + i) % patches)
+                        .find(|&p| self.unshot.get(p) > 0.0);
+                    let patch = found.unwrap_or(self.next);
+                    self.next = (patch + 1) % patches;
+                    patch
+                }
+            };
+            if self.unshot.get(patch) <= 0.0 {
+                break;
+            }
+            self.unshot.set(patch, 0.0);
+            chosen.push(patch);
+        }
+        chosen
+    }
+
+    /// Spreads what a patch has unshot.
+    fn shoot(&mut self, patch: usize, row: &Row) {
+        let fluxes = self.flux(patch);
+        let mesh = self.solution.mesh().clone();
+        let elements = mesh.elements().len();
+        let (irradiance, unshot, balance) = self.solution.channels_mut();
+        for (channel, &flux) in fluxes.iter().enumerate() {
+            let (group, band) = (channel / BANDS, channel % BANDS);
+            let start = channel * elements;
+            unshot[start..start + elements][mesh.elements_of_patch(patch)].fill(0.0);
+            self.unshot_total[channel] -= flux;
+            if flux == 0.0 {
+                continue;
+            }
+            let (mut absorbed, mut reflected) = (0.0, 0.0);
+            for (&e, &fraction) in row.receivers.iter().zip(row.band(band)) {
+                let e = e as usize;
+                let arriving = f64::from(fraction) * flux;
+                let gain = to_f32(arriving / f64::from(mesh.exposed_area(e)));
+                let reflectance = mesh.reflectance()[e][band];
+                irradiance[start + e] += gain;
+                unshot[start + e] += reflectance * gain;
+                reflected += arriving * f64::from(reflectance);
+                absorbed += arriving * f64::from(1.0 - mesh.transmittance()[e][band] - reflectance);
+            }
+            self.unshot_total[channel] += reflected;
+            balance[group][band].absorbed += absorbed + flux * f64::from(row.absorbed[band]);
+            balance[group][band].escaped += flux * f64::from(row.escaped[band]);
+        }
+        self.refresh(row, patch);
+    }
+
+    /// Brings the tree up to date for the patches that a row reached.
+    fn refresh(&mut self, row: &Row, shooter: usize) {
+        let mesh = self.solution.mesh().clone();
+        let mut last = usize::MAX;
+        // Receivers ascend and a patch's elements are consecutive, so each patch comes up once.
+        for &e in &row.receivers {
+            let patch = mesh.patch_of_element(e as usize);
+            if patch != last {
+                self.unshot
+                    .set(patch, magnitude(&unshot_flux(&self.solution, patch)));
+                last = patch;
+            }
+        }
+        self.unshot
+            .set(shooter, magnitude(&unshot_flux(&self.solution, shooter)));
+    }
+}
+
+impl Solver for Shooting<'_> {
+    fn step(&mut self) -> Progress {
+        let chosen = self.choose();
+        let mesh = self.solution.mesh().clone();
+        let mut rows = core::mem::take(&mut self.rows);
+        rows.resize_with(chosen.len().max(1), Row::default);
+        if let [patch] = *chosen {
+            self.factors.fill_row(mesh.patches()[patch], &mut rows[0]);
+        } else {
+            let jobs: Vec<_> = chosen.iter().zip(&mut rows).collect();
+            jobs.into_par_iter()
+                .for_each(|(&patch, row)| self.factors.fill_row(mesh.patches()[patch], row));
+        }
+        for (&patch, row) in chosen.iter().zip(&rows) {
+            self.shoot(patch, row);
+        }
+        self.rows = rows;
+        self.solution.provenance.steps += chosen.len() as u64;
+        let emitted = if self.emitted > 0.0 {
+            self.emitted
+        } else {
+            1.0
+        };
+        Progress {
+            iteration: self.solution.provenance.steps,
+            unshot: self.unshot_total.iter().map(|u| u.abs()).sum::<f64>() / emitted,
+            residual: self.unshot.largest().1 / emitted,
+        }
+    }
+
+    fn solution(&self) -> &Solution {
+        &self.solution
+    }
+
+    fn into_solution(self) -> Solution {
+        self.solution
+    }
+}
+
+/// Signed unshot flux of a patch in each channel.
+fn unshot_flux(solution: &Solution, patch: usize) -> Vec<f64> {
+    let mesh = solution.mesh();
+    let range = mesh.elements_of_patch(patch);
+    (0..solution.groups().len() * BANDS)
+        .map(|channel| {
+            let values = solution.unshot(channel / BANDS, channel % BANDS);
+            range
+                .clone()
+                .map(|e| f64::from(values[e]) * f64::from(mesh.exposed_area(e)))
+                .sum()
+        })
+        .collect()
+}
+
+fn magnitude(fluxes: &[f64]) -> f64 {
+    fluxes.iter().map(|flux| flux.abs()).sum()
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
+fn to_f32(x: f64) -> f32 {
+    x as f32
+}

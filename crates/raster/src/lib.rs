@@ -1,0 +1,19 @@
+//! Pictures on the CPU: images, linear colour, and triangles drawn into them.
+//!
+//! This crate knows no scene: it is everything between geometry and pixels, usable on its own.
+//! Colour is linear Rec. 709 in memory ([`Rgb`]); sRGB appears only where a file says so ([`color`]).
+//!
+//! # Current state
+//! [`triangle`] draws perspective-correct triangles with a z-buffer and item buffers ([`clip`] cuts them in homogeneous
+//! coordinates before), [`tonemap`] brings light into the range of a display, [`image`] holds and stores pictures (PNG in
+//! sRGB, OpenEXR in linear light). Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
+#![forbid(unsafe_code)]
+
+pub mod clip;
+pub mod color;
+pub mod image;
+pub mod tonemap;
+pub mod triangle;
+
+pub use color::Rgb;
+pub use image::Image;

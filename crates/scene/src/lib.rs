@@ -1,0 +1,37 @@
+//! What the user gives: meshes, materials, lights, cameras, and the files they come from.
+//!
+//! A [`Scene`] is plain data in world units, right-handed, +Y up. It comes from a file ([`open`]), from the built-in
+//! collection ([`builtin`]) or is filled in by hand; [`SceneOptions`] adjust it (light, reflectance, sides, units);
+//! [`Scene::check`] is the door behind which every index is in range and every number finite.
+//!
+//! # Current state
+//! glTF 2.0 and OBJ come in; see [`gltf`] and [`obj`] for what of them is read. Skins, morph targets and animations
+//! are not: a mesh is taken in its rest pose, which the import report says.
+#![forbid(unsafe_code)]
+
+pub mod builtin;
+pub mod camera;
+mod error;
+pub mod gltf;
+pub mod light;
+pub mod material;
+pub mod mesh;
+pub mod obj;
+pub mod open;
+pub mod options;
+pub mod report;
+pub mod scene;
+pub mod surface;
+pub mod texture;
+
+pub use camera::{Camera, Projection};
+pub use error::SceneError;
+pub use light::{Light, LightKind};
+pub use material::{AlphaMode, Material, TextureSlot};
+pub use mesh::{Face, Instance, Mesh};
+pub use open::{open, open_bytes};
+pub use options::{MetalsAs, SceneOptions};
+pub use report::{ImportReport, Warning};
+pub use scene::{Scene, Units};
+pub use surface::SurfaceSample;
+pub use texture::{Texture, TextureImage, Wrap};

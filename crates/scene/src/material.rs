@@ -1,0 +1,118 @@
+//! Materials as radiosity sees them: diffuse reflectance, emission, what passes straight through.
+
+use glam::{Affine2, Vec2};
+use hemicube_raster::Rgb;
+use serde::{Deserialize, Serialize};
+
+/// How a surface treats light. Textures multiply the factor beside them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Material {
+    /// Name by which options find it.
+    pub name: String,
+    /// Base colour: linear, per band in [0, 1].
+    pub base_color: Rgb,
+    /// Base opacity in [0, 1]; [`AlphaMode`] says what it means.
+    pub alpha: f32,
+    /// Multiplies base colour (rgb, sRGB-encoded) and alpha (a).
+    pub base_color_texture: Option<TextureSlot>,
+    /// 0 for dielectrics, 1 for metals.
+    pub metallic: f32,
+    /// Multiplies `metallic` by its blue channel (linear).
+    pub metallic_texture: Option<TextureSlot>,
+    /// Perceptual roughness in [0, 1]; kept for pictures, the diffuse solution does not use it.
+    pub roughness: f32,
+    /// Emitted radiance L: cd/m² (photometric) or W/(m² sr) (radiometric). Exitance is π L.
+    pub emission: Rgb,
+    /// Multiplies `emission` (rgb, sRGB-encoded).
+    pub emission_texture: Option<TextureSlot>,
+    /// Share of light that passes straight through, tinted by the base colour (`KHR_materials_transmission`).
+    pub transmission: f32,
+    /// Multiplies `transmission` by its red channel (linear).
+    pub transmission_texture: Option<TextureSlot>,
+    /// Meaning of alpha.
+    pub alpha_mode: AlphaMode,
+    /// Whether the back side receives, reflects and emits like the front.
+    pub double_sided: bool,
+    /// The file wants it drawn without light; radiosity treats it as diffuse.
+    pub unlit: bool,
+}
+
+/// Meaning of alpha, as in glTF.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    Opaque,
+    /// Where alpha is below the cutoff there is a hole.
+    Mask {
+        /// Smallest alpha that is still surface.
+        cutoff: f32,
+    },
+    /// `1 - alpha` of the light passes straight through.
+    Blend,
+}
+
+/// A texture as a material uses it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TextureSlot {
+    /// Index into [`Scene::textures`](crate::Scene::textures).
+    pub texture: usize,
+    /// Which of the mesh's sets of texture coordinates.
+    pub texcoord_set: usize,
+    /// `KHR_texture_transform`: texture_from_mesh coordinates.
+    pub transform: Affine2,
+}
+
+impl TextureSlot {
+    /// The texture with the mesh's first coordinates as they are.
+    pub fn new(texture: usize) -> Self {
+        Self { texture, texcoord_set: 0, transform: Affine2::IDENTITY }
+    }
+
+    /// The texture's coordinates for the mesh's.
+    pub fn coordinates(&self, texcoord: Vec2) -> Vec2 {
+        self.transform.transform_point2(texcoord)
+    }
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: String::from("default"),
+            base_color: Rgb::WHITE,
+            alpha: 1.0,
+            base_color_texture: None,
+            metallic: 0.0,
+            metallic_texture: None,
+            roughness: 1.0,
+            emission: Rgb::BLACK,
+            emission_texture: None,
+            transmission: 0.0,
+            transmission_texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: false,
+            unlit: false,
+        }
+    }
+}
+
+impl Material {
+    /// A matt, opaque, one-sided material.
+    pub fn diffuse(name: impl Into<String>, reflectance: Rgb) -> Self {
+        Self { name: name.into(), base_color: reflectance, ..Self::default() }
+    }
+
+    /// The same material emitting radiance `L`.
+    pub fn with_emission(self, radiance: Rgb) -> Self {
+        Self { emission: radiance, ..self }
+    }
+
+    /// Whether any part of a surface of this material may let light through (holes, glass).
+    pub fn may_transmit(&self) -> bool {
+        self.transmission > 0.0 || self.alpha_mode != AlphaMode::Opaque
+    }
+
+    /// Whether it emits anything at all.
+    pub fn emits(&self) -> bool {
+        self.emission.max_band() > 0.0
+    }
+}

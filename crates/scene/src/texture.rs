@@ -1,0 +1,142 @@
+//! Pictures on surfaces.
+
+use glam::Vec2;
+use hemicube_raster::Image;
+use hemicube_raster::color::linear_from_srgb8_table;
+use serde::{Deserialize, Serialize};
+use std::io::Cursor;
+use std::sync::Arc;
+
+/// Largest side and largest decoded size that a texture may have; a larger one is refused before it is decoded.
+const MAX_SIDE: u32 = 16_384;
+const MAX_DECODED_BYTES: u64 = 256 << 20;
+
+/// How coordinates outside [0, 1] are brought back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Wrap {
+    /// The picture repeats.
+    #[default]
+    Repeat,
+    /// It repeats with every second copy mirrored.
+    MirroredRepeat,
+    /// Its border goes on.
+    ClampToEdge,
+}
+
+/// A picture with a rule for its borders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Texture {
+    /// Index into [`Scene::images`](crate::Scene::images).
+    pub image: usize,
+    /// Rules along u and v.
+    pub wrap: [Wrap; 2],
+}
+
+/// A PNG or JPEG file and its pixels.
+///
+/// The file's bytes are kept so that an export hands on exactly what came in.
+#[derive(Debug, Clone)]
+pub struct TextureImage {
+    /// Name from the scene file.
+    pub name: String,
+    encoded: Arc<[u8]>,
+    media_type: &'static str,
+    pixels: Arc<Image<[u8; 4]>>,
+}
+
+impl TextureImage {
+    /// Decodes a PNG or JPEG file; the error says in words why it cannot be used.
+    pub fn decode(name: impl Into<String>, encoded: impl Into<Arc<[u8]>>) -> Result<Self, String> {
+        let encoded = encoded.into();
+        let mut reader = image::ImageReader::new(Cursor::new(&encoded)).with_guessed_format().map_err(|e| e.to_string())?;
+        let media_type = match reader.format() {
+            Some(image::ImageFormat::Png) => "image/png",
+            Some(image::ImageFormat::Jpeg) => "image/jpeg",
+            _ => return Err(String::from("it is neither PNG nor JPEG")),
+        };
+        let mut limits = image::Limits::default();
+        limits.max_image_width = Some(MAX_SIDE);
+        limits.max_image_height = Some(MAX_SIDE);
+        limits.max_alloc = Some(MAX_DECODED_BYTES);
+        reader.limits(limits);
+        let decoded = reader.decode().map_err(|e| e.to_string())?.into_rgba8();
+        let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+        let pixels = decoded.into_raw().chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect();
+        let pixels = Image::from_pixels(width, height, pixels).ok_or("its size does not fit its pixels")?;
+        Ok(Self { name: name.into(), encoded, media_type, pixels: Arc::new(pixels) })
+    }
+
+    /// A picture made by the program, kept as PNG.
+    pub fn from_pixels(name: impl Into<String>, pixels: Image<[u8; 4]>) -> Self {
+        let mut encoded = Vec::new();
+        let (width, height) = (pixels.width(), pixels.height());
+        let bytes: Vec<u8> = pixels.pixels().iter().flatten().copied().collect();
+        let encoder = image::codecs::png::PngEncoder::new(&mut encoded);
+        let side = |n: usize| u32::try_from(n).expect("a texture's side fits 32 bits");
+        image::ImageEncoder::write_image(encoder, &bytes, side(width), side(height), image::ExtendedColorType::Rgba8)
+            .expect("encoding into memory does not fail");
+        Self { name: name.into(), encoded: encoded.into(), media_type: "image/png", pixels: Arc::new(pixels) }
+    }
+
+    /// The bytes of the file.
+    pub fn encoded(&self) -> &[u8] {
+        &self.encoded
+    }
+
+    /// `image/png` or `image/jpeg`.
+    pub fn media_type(&self) -> &'static str {
+        self.media_type
+    }
+
+    /// The decoded pixels, red, green, blue, alpha as stored (colour sRGB-encoded where the material says so).
+    pub fn pixels(&self) -> &Image<[u8; 4]> {
+        &self.pixels
+    }
+
+    /// Bilinear sample at texture coordinates, filtered in linear light; colour is decoded from sRGB if `srgb`.
+    ///
+    /// Coordinates that are not finite read the first texel.
+    pub fn sample(&self, at: Vec2, wrap: [Wrap; 2], srgb: bool) -> [f32; 4] {
+        let at = if at.is_finite() { at } else { Vec2::ZERO };
+        let (x, fx) = texel_and_fraction(at.x, self.pixels.width());
+        let (y, fy) = texel_and_fraction(at.y, self.pixels.height());
+        let table = linear_from_srgb8_table();
+        let mut sum = [0.0; 4];
+        for (dy, wy) in [(0, 1.0 - fy), (1, fy)] {
+            for (dx, wx) in [(0, 1.0 - fx), (1, fx)] {
+                let column = wrapped(x + dx, self.pixels.width(), wrap[0]);
+                let row = wrapped(y + dy, self.pixels.height(), wrap[1]);
+                let texel = self.pixels.pixel(column, row);
+                for (channel, total) in sum.iter_mut().enumerate() {
+                    let code = texel[channel];
+                    let value = if srgb && channel < 3 { table[code as usize] } else { f32::from(code) / 255.0 };
+                    *total += wx * wy * value;
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// The lower texel of the pair around a coordinate, and the weight of the upper one (Vulkan 1.3, 16.6.1).
+#[expect(clippy::cast_possible_truncation, reason = "float to integer casts saturate, wrapping brings them back")]
+fn texel_and_fraction(coordinate: f32, size: usize) -> (i64, f32) {
+    let position = f64::from(coordinate) * size as f64 - 0.5;
+    let lower = position.floor();
+    (lower as i64, (position - lower) as f32)
+}
+
+/// Index of a texel inside the picture.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_possible_wrap, reason = "in 0..size")]
+fn wrapped(index: i64, size: usize, wrap: Wrap) -> usize {
+    let size = size as i64;
+    let inside = match wrap {
+        Wrap::Repeat => index.rem_euclid(size),
+        Wrap::ClampToEdge => index.clamp(0, size - 1),
+        Wrap::MirroredRepeat => {
+            let period = index.rem_euclid(2 * size);
+            if period < size { period } else { 2 * size - 1 - period }
+        }
+    };
+    inside as usize
+}
