@@ -1,6 +1,6 @@
 //! What the user gives: meshes, materials, lights, cameras, and the files they come from.
 //!
-//! A [`Scene`] is plain data in world units, right-handed, +Y up. It comes from a file ([`open`]), from the built-in
+//! A [`Scene`] is plain data in world units, right-handed, +Y up. It comes from a file ([`open()`]), from the built-in
 //! collection ([`builtin`]) or is filled in by hand; [`SceneOptions`] adjust it (light, reflectance, sides, units);
 //! [`Scene::check`] is the door behind which every index is in range and every number finite.
 //!
@@ -29,7 +29,7 @@ pub use error::SceneError;
 pub use light::{Light, LightKind};
 pub use material::{AlphaMode, Material, TextureSlot};
 pub use mesh::{Face, Instance, Mesh};
-pub use open::{open, open_bytes};
+pub use open::{open, open_bytes, open_path};
 pub use options::{MetalsAs, SceneOptions};
 pub use report::{ImportReport, Warning};
 pub use scene::{Scene, Units};
