@@ -47,16 +47,19 @@ impl Rgb {
     }
 
     /// Relative luminance `Y = 0.2126 R + 0.7152 G + 0.0722 B` (ITU-R BT.709).
+    #[inline]
     pub fn luminance(self) -> f32 {
         0.2126 * self.r + 0.7152 * self.g + 0.0722 * self.b
     }
 
     /// The largest of the three bands.
+    #[inline]
     pub fn max_band(self) -> f32 {
         self.r.max(self.g).max(self.b)
     }
 
     /// Applies `f` to each band.
+    #[inline]
     pub fn map(self, f: impl Fn(f32) -> f32) -> Self {
         Self::new(f(self.r), f(self.g), f(self.b))
     }
@@ -67,6 +70,7 @@ impl Rgb {
     }
 
     /// Whether all bands are exactly 0.
+    #[inline]
     pub fn is_black(self) -> bool {
         self == Self::BLACK
     }
@@ -91,6 +95,7 @@ impl From<Rgb> for [f32; 3] {
 
 impl Index<usize> for Rgb {
     type Output = f32;
+    #[inline]
     fn index(&self, band: usize) -> &f32 {
         match band {
             0 => &self.r,
@@ -102,6 +107,7 @@ impl Index<usize> for Rgb {
 }
 
 impl IndexMut<usize> for Rgb {
+    #[inline]
     fn index_mut(&mut self, band: usize) -> &mut f32 {
         match band {
             0 => &mut self.r,
@@ -116,11 +122,13 @@ macro_rules! band_wise {
     ($($trait:ident $method:ident $assign_trait:ident $assign:ident $op:tt),*) => {$(
         impl $trait for Rgb {
             type Output = Self;
+            #[inline]
             fn $method(self, o: Self) -> Self {
                 Self::new(self.r $op o.r, self.g $op o.g, self.b $op o.b)
             }
         }
         impl $assign_trait for Rgb {
+            #[inline]
             fn $assign(&mut self, o: Self) {
                 *self = *self $op o;
             }
@@ -131,6 +139,7 @@ band_wise!(Add add AddAssign add_assign +, Sub sub SubAssign sub_assign -, Mul m
 
 impl Mul<f32> for Rgb {
     type Output = Self;
+    #[inline]
     fn mul(self, k: f32) -> Self {
         self.map(|c| c * k)
     }

@@ -1,1 +1,33 @@
-//! Crate.
+//! Pictures of radiosity solutions on the CPU.
+//!
+//! [`render`] gives linear radiance for each pixel, in the scene's units (cd/m² or W/(m² sr)): what an OpenEXR file
+//! should hold. [`render_display`] gives what a display shows: every sample goes through exposure and tone curve before
+//! samples are averaged, so the edges of lamps are smooth. [`Renderer`] makes both from one preparation and reports its
+//! progress. [`choose_camera`] finds a view for scenes that bring none.
+//!
+//! The same solution, camera and options give the same bits on any number of threads.
+//!
+//! # Current state
+//! Surfaces are diffuse: `L = emission + reflectance × H / π` with textures evaluated at each sample, and what lets light
+//! straight through is blended sample by sample in the order of depth. There are no mirrors, no refraction, no bump maps
+//! and no environments yet. Lights without an area are not drawn. A one-sided surface seen from behind is left out, also
+//! where it is glass. Textures are filtered bilinearly only; small ones far away rely on `antialias`.
+#![forbid(unsafe_code)]
+
+mod auto_camera;
+mod band;
+mod bins;
+mod error;
+mod exterior_view;
+mod interior_view;
+mod options;
+mod projection;
+mod renderer;
+mod shade;
+mod stage;
+
+pub use auto_camera::choose_camera;
+pub use error::RenderError;
+pub use options::{ParseShadingError, RenderOptions, Shading};
+pub use projection::clip_from_world;
+pub use renderer::{Renderer, render, render_display, tone_mapped};

@@ -41,11 +41,29 @@ impl Camera {
     /// A perspective camera at `eye` that looks at a point; `up` need not be perpendicular to the view.
     ///
     /// Degenerate input (target in the eye, `up` along the view) is mended by another axis.
-    pub fn looking_at(name: impl Into<String>, eye: Vec3, target: Vec3, up: Vec3, vertical_fov: f32) -> Self {
+    pub fn looking_at(
+        name: impl Into<String>,
+        eye: Vec3,
+        target: Vec3,
+        up: Vec3,
+        vertical_fov: f32,
+    ) -> Self {
         let forward = (target - eye).try_normalize().unwrap_or(Vec3::NEG_Z);
-        let up = up.reject_from_normalized(forward).try_normalize().unwrap_or_else(|| forward.any_orthonormal_vector());
-        let projection = Projection::Perspective { vertical_fov, aspect: None };
-        Self { name: name.into(), eye, forward, up, projection }
+        let up = up
+            .reject_from_normalized(forward)
+            .try_normalize()
+            .unwrap_or_else(|| forward.any_orthonormal_vector());
+        let projection = Projection::Perspective {
+            vertical_fov,
+            aspect: None,
+        };
+        Self {
+            name: name.into(),
+            eye,
+            forward,
+            up,
+            projection,
+        }
     }
 
     /// Direction to the right of the picture, of unit length.

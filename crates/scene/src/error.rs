@@ -15,7 +15,9 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// Neither a file nor a built-in scene.
-    #[error("'{0}' is neither a file nor a built-in scene; `hemicube scenes` lists the built-in ones")]
+    #[error(
+        "'{0}' is neither a file nor a built-in scene; `hemicube scenes` lists the built-in ones"
+    )]
     Unknown(String),
     /// The name's ending is not one of a format that can be read.
     #[error("{0}: not a scene format that can be read; convert it to .glb, .gltf or .obj")]

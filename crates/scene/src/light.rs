@@ -52,17 +52,33 @@ impl LightKind {
     /// The spot's falloff between the angles is that of `KHR_lights_punctual`: `clamp(cos-linear ramp)²`.
     pub fn arriving_at(&self, point: Vec3) -> (Rgb, Vec3, f32) {
         match *self {
-            Self::Directional { direction, irradiance } => (irradiance, -direction, f32::INFINITY),
-            Self::Point { position, intensity } => {
+            Self::Directional {
+                direction,
+                irradiance,
+            } => (irradiance, -direction, f32::INFINITY),
+            Self::Point {
+                position,
+                intensity,
+            } => {
                 let (to_light, distance) = direction_and_distance(point, position);
                 (intensity / (distance * distance), to_light, distance)
             }
-            Self::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+            Self::Spot {
+                position,
+                direction,
+                intensity,
+                inner_angle,
+                outer_angle,
+            } => {
                 let (to_light, distance) = direction_and_distance(point, position);
                 let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
                 let ramp = ((-to_light).dot(direction) - outer) / (inner - outer).max(1e-4);
                 let falloff = ramp.clamp(0.0, 1.0).powi(2);
-                (intensity * (falloff / (distance * distance)), to_light, distance)
+                (
+                    intensity * (falloff / (distance * distance)),
+                    to_light,
+                    distance,
+                )
             }
         }
     }

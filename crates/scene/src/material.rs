@@ -65,7 +65,11 @@ pub struct TextureSlot {
 impl TextureSlot {
     /// The texture with the mesh's first coordinates as they are.
     pub fn new(texture: usize) -> Self {
-        Self { texture, texcoord_set: 0, transform: Affine2::IDENTITY }
+        Self {
+            texture,
+            texcoord_set: 0,
+            transform: Affine2::IDENTITY,
+        }
     }
 
     /// The texture's coordinates for the mesh's.
@@ -98,12 +102,19 @@ impl Default for Material {
 impl Material {
     /// A matt, opaque, one-sided material.
     pub fn diffuse(name: impl Into<String>, reflectance: Rgb) -> Self {
-        Self { name: name.into(), base_color: reflectance, ..Self::default() }
+        Self {
+            name: name.into(),
+            base_color: reflectance,
+            ..Self::default()
+        }
     }
 
     /// The same material emitting radiance `L`.
     pub fn with_emission(self, radiance: Rgb) -> Self {
-        Self { emission: radiance, ..self }
+        Self {
+            emission: radiance,
+            ..self
+        }
     }
 
     /// Whether any part of a surface of this material may let light through (holes, glass).

@@ -238,10 +238,28 @@ macro_rules! choice {
         }
     };
 }
-choice!(MetalsAs, "way to count metals", Diffuse = "diffuse", Black = "black");
-choice!(Unit, "unit of length", Millimetre = "mm", Centimetre = "cm", Metre = "m", Inch = "in", Foot = "ft");
+choice!(
+    MetalsAs,
+    "way to count metals",
+    Diffuse = "diffuse",
+    Black = "black"
+);
+choice!(
+    Unit,
+    "unit of length",
+    Millimetre = "mm",
+    Centimetre = "cm",
+    Metre = "m",
+    Inch = "in",
+    Foot = "ft"
+);
 choice!(UpAxis, "axis that can point up", Y = "y", Z = "z");
-choice!(Units, "kind of light units", Photometric = "photometric", Radiometric = "radiometric");
+choice!(
+    Units,
+    "kind of light units",
+    Photometric = "photometric",
+    Radiometric = "radiometric"
+);
 
 /// Reads a colour: `R,G,B`, or one number for all three bands.
 ///
@@ -256,14 +274,26 @@ pub fn parse_rgb(text: &str) -> Result<Rgb, String> {
         .split(',')
         .map(|band| match band.trim().parse::<f32>() {
             Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(wanted(format!("{} in {} is not a finite number", quoted(band.trim()), quoted(text)))),
-            Err(_) => Err(wanted(format!("{} in {} is not a number", quoted(band.trim()), quoted(text)))),
+            Ok(_) => Err(wanted(format!(
+                "{} in {} is not a finite number",
+                quoted(band.trim()),
+                quoted(text)
+            ))),
+            Err(_) => Err(wanted(format!(
+                "{} in {} is not a number",
+                quoted(band.trim()),
+                quoted(text)
+            ))),
         })
         .collect::<Result<_, _>>()?;
     match bands[..] {
         [grey] => Ok(Rgb::splat(grey)),
         [r, g, b] => Ok(Rgb::new(r, g, b)),
-        _ => Err(wanted(format!("{} has {} numbers, not 3", quoted(text), bands.len()))),
+        _ => Err(wanted(format!(
+            "{} has {} numbers, not 3",
+            quoted(text),
+            bands.len()
+        ))),
     }
 }
 
@@ -277,14 +307,26 @@ pub fn parse_rgb(text: &str) -> Result<Rgb, String> {
 pub fn parse_named_rgb(text: &str) -> Result<(String, Rgb), String> {
     match text.rsplit_once('=') {
         Some((name, color)) if !name.is_empty() => Ok((name.to_owned(), parse_rgb(color)?)),
-        Some(_) => Err(format!("{} has no name before '='; use NAME=R,G,B or NAME=X", quoted(text))),
-        None => Err(format!("{} has no '='; use NAME=R,G,B or NAME=X", quoted(text))),
+        Some(_) => Err(format!(
+            "{} has no name before '='; use NAME=R,G,B or NAME=X",
+            quoted(text)
+        )),
+        None => Err(format!(
+            "{} has no '='; use NAME=R,G,B or NAME=X",
+            quoted(text)
+        )),
     }
 }
 
 /// Text in quotes, on one line whatever it contains.
 fn quoted(text: &str) -> String {
-    let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    let escape = |c: char| {
+        if c.is_control() {
+            c.escape_default().to_string()
+        } else {
+            c.to_string()
+        }
+    };
     format!("'{}'", text.chars().map(escape).collect::<String>())
 }
 
@@ -322,7 +364,11 @@ impl Scene {
         let nodes: Vec<&str> = self.instances.iter().map(|i| i.node.as_str()).collect();
         for (glob, radiance) in &options.emit {
             matches_something(glob, "emit", "material", &materials)?;
-            in_range(*radiance, &format!("emit {}: radiance", quoted(glob)), f32::INFINITY)?;
+            in_range(
+                *radiance,
+                &format!("emit {}: radiance", quoted(glob)),
+                f32::INFINITY,
+            )?;
         }
         for (glob, reflectance) in &options.reflectance {
             matches_something(glob, "reflectance", "material", &materials)?;
@@ -338,7 +384,9 @@ impl Scene {
         }
         let bound = options.max_reflectance;
         if !(bound > 0.0 && bound <= 1.0) {
-            return Err(format!("max-reflectance {bound} is not above 0 and at most 1"));
+            return Err(format!(
+                "max-reflectance {bound} is not above 0 and at most 1"
+            ));
         }
         Ok(())
     }
@@ -354,7 +402,12 @@ impl Scene {
                 material.base_color_texture = None;
                 material.metallic = 0.0;
                 material.metallic_texture = None;
-                for color in self.meshes.iter_mut().filter(|m| m.material == i).flat_map(|m| &mut m.colors) {
+                for color in self
+                    .meshes
+                    .iter_mut()
+                    .filter(|m| m.material == i)
+                    .flat_map(|m| &mut m.colors)
+                {
                     *color = Vec3::ONE.extend(color.w);
                 }
             }
@@ -363,12 +416,14 @@ impl Scene {
     }
 
     fn apply_to_nodes(&mut self, options: &SceneOptions) {
-        let matchers = |globs: &[String]| globs.iter().map(|g| WildMatch::new(g)).collect::<Vec<_>>();
+        let matchers =
+            |globs: &[String]| globs.iter().map(|g| WildMatch::new(g)).collect::<Vec<_>>();
         let (flip, hide) = (matchers(&options.flip), matchers(&options.hide));
         for instance in &mut self.instances {
             instance.flipped ^= flip.iter().any(|glob| glob.matches(&instance.node));
         }
-        self.instances.retain(|instance| !hide.iter().any(|glob| glob.matches(&instance.node)));
+        self.instances
+            .retain(|instance| !hide.iter().any(|glob| glob.matches(&instance.node)));
     }
 
     /// Scales and turns everything that has a place.
@@ -383,7 +438,11 @@ impl Scene {
         for light in &mut self.lights {
             match &mut light.kind {
                 LightKind::Point { position, .. } => *position = rotation * *position * scale,
-                LightKind::Spot { position, direction, .. } => {
+                LightKind::Spot {
+                    position,
+                    direction,
+                    ..
+                } => {
                     *position = rotation * *position * scale;
                     *direction = rotation * *direction;
                 }
@@ -397,7 +456,11 @@ impl Scene {
         if self.metals == MetalsAs::Black {
             return;
         }
-        let metals: Vec<&str> = self.used_materials().filter(|m| self.is_metal(m)).map(|m| m.name.as_str()).collect();
+        let metals: Vec<&str> = self
+            .used_materials()
+            .filter(|m| self.is_metal(m))
+            .map(|m| m.name.as_str())
+            .collect();
         if metals.is_empty() {
             return;
         }
@@ -419,11 +482,16 @@ impl Scene {
         };
         let lowered: Vec<(String, f32)> = self
             .used_materials()
-            .filter(|m| m.base_color_texture.is_none() && diffuse(m) && m.base_color.max_band() > bound)
+            .filter(|m| {
+                m.base_color_texture.is_none() && diffuse(m) && m.base_color.max_band() > bound
+            })
             .map(|m| (m.name.clone(), m.base_color.max_band()))
             .collect();
         for (name, reflectance) in lowered {
-            self.warn_once(&format!("material {}", quoted(&name)), format!("reflectance {reflectance} lowered to {bound}"));
+            self.warn_once(
+                &format!("material {}", quoted(&name)),
+                format!("reflectance {reflectance} lowered to {bound}"),
+            );
         }
     }
 
@@ -433,7 +501,10 @@ impl Scene {
         for instance in &self.instances {
             used[self.meshes[instance.mesh].material] = true;
         }
-        self.materials.iter().zip(used).filter_map(|(material, used)| used.then_some(material))
+        self.materials
+            .iter()
+            .zip(used)
+            .filter_map(|(material, used)| used.then_some(material))
     }
 
     /// Whether any point of the material is metal; a texture may say that none is.
@@ -447,7 +518,12 @@ impl Scene {
 
     /// Warns unless the report says so already: options may be applied several times.
     fn warn_once(&mut self, place: &str, what: String) {
-        if !self.report.warnings.iter().any(|w| w.place == place && w.what == what) {
+        if !self
+            .report
+            .warnings
+            .iter()
+            .any(|w| w.place == place && w.what == what)
+        {
             self.report.warn(place, what);
         }
     }
@@ -465,7 +541,11 @@ fn transform_camera(camera: &mut Camera, scale: f32, rotation: Mat3) {
     camera.eye = rotation * camera.eye * scale;
     camera.forward = rotation * camera.forward;
     camera.up = rotation * camera.up;
-    if let Projection::Orthographic { half_width, half_height } = &mut camera.projection {
+    if let Projection::Orthographic {
+        half_width,
+        half_height,
+    } = &mut camera.projection
+    {
         *half_width *= scale;
         *half_height *= scale;
     }
@@ -473,7 +553,11 @@ fn transform_camera(camera: &mut Camera, scale: f32, rotation: Mat3) {
 
 /// The value of the last glob that matches a name.
 fn last_match(values: &[(String, Rgb)], name: &str) -> Option<Rgb> {
-    values.iter().rev().find(|(glob, _)| WildMatch::new(glob).matches(name)).map(|&(_, value)| value)
+    values
+        .iter()
+        .rev()
+        .find(|(glob, _)| WildMatch::new(glob).matches(name))
+        .map(|&(_, value)| value)
 }
 
 fn matches_something(glob: &str, option: &str, what: &str, names: &[&str]) -> Result<(), String> {
@@ -489,13 +573,22 @@ fn matches_something(glob: &str, option: &str, what: &str, names: &[&str]) -> Re
     }
     Err(match distinct.as_slice() {
         [] => format!("{option} {}: the scene has no {what}s", quoted(glob)),
-        _ => format!("{option} {}: no {what} is called that; there are {}", quoted(glob), listed(&distinct)),
+        _ => format!(
+            "{option} {}: no {what} is called that; there are {}",
+            quoted(glob),
+            listed(&distinct)
+        ),
     })
 }
 
 /// The first names, and how many there are if that is more.
 fn listed(names: &[&str]) -> String {
-    let mut text = names.iter().take(LISTED).map(|name| quoted(name)).collect::<Vec<_>>().join(", ");
+    let mut text = names
+        .iter()
+        .take(LISTED)
+        .map(|name| quoted(name))
+        .collect::<Vec<_>>()
+        .join(", ");
     if names.len() > LISTED {
         text.push_str(&format!(", ... ({} in all)", names.len()));
     }
@@ -506,7 +599,9 @@ fn listed(names: &[&str]) -> String {
 fn in_range(color: Rgb, what: &str, most: f32) -> Result<(), String> {
     for (band, name) in color.to_array().into_iter().zip(["red", "green", "blue"]) {
         if !band.is_finite() {
-            return Err(format!("{what} {band} ({name}) is not a finite number of at least 0"));
+            return Err(format!(
+                "{what} {band} ({name}) is not a finite number of at least 0"
+            ));
         }
         if band < 0.0 {
             return Err(format!("{what} {band} ({name}) is below 0"));

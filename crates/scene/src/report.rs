@@ -34,7 +34,10 @@ impl ImportReport {
     /// Notes a warning; beyond the first thousand they are only counted.
     pub fn warn(&mut self, place: impl Into<String>, what: impl Into<String>) {
         if self.warnings.len() < LISTED {
-            self.warnings.push(Warning { place: place.into(), what: what.into() });
+            self.warnings.push(Warning {
+                place: place.into(),
+                what: what.into(),
+            });
         } else {
             self.unlisted += 1;
         }

@@ -1,7 +1,10 @@
 //! The scene as a whole.
 
 use crate::options::MAX_REFLECTANCE;
-use crate::{Camera, Face, ImportReport, Instance, Light, Material, Mesh, MetalsAs, SceneError, Texture, TextureImage};
+use crate::{
+    Camera, Face, ImportReport, Instance, Light, Material, Mesh, MetalsAs, SceneError, Texture,
+    TextureImage,
+};
 use glam::Vec3;
 use hemicube_raster::Rgb;
 use serde::{Deserialize, Serialize};
@@ -84,12 +87,18 @@ impl Scene {
     pub fn has_light(&self) -> bool {
         self.sky.max_band() > 0.0
             || !self.lights.is_empty()
-            || self.instances.iter().any(|i| self.materials[self.meshes[i.mesh].material].emits())
+            || self
+                .instances
+                .iter()
+                .any(|i| self.materials[self.meshes[i.mesh].material].emits())
     }
 
     /// Number of faces as placed (a mesh placed twice counts twice).
     pub fn face_count(&self) -> usize {
-        self.instances.iter().map(|i| self.meshes[i.mesh].faces.len()).sum()
+        self.instances
+            .iter()
+            .map(|i| self.meshes[i.mesh].faces.len())
+            .sum()
     }
 
     /// Smallest and largest coordinates of all placed vertices that a face uses; `None` for an empty scene.
@@ -98,7 +107,9 @@ impl Scene {
         for instance in &self.instances {
             let mesh = &self.meshes[instance.mesh];
             for &corner in mesh.faces.iter().flat_map(Face::corners) {
-                let p = instance.world_from_mesh.transform_point3(mesh.positions[corner as usize]);
+                let p = instance
+                    .world_from_mesh
+                    .transform_point3(mesh.positions[corner as usize]);
                 bounds = Some(bounds.map_or((p, p), |(low, high)| (low.min(p), high.max(p))));
             }
         }
@@ -124,7 +135,11 @@ impl Scene {
         let fail = |message: String| Err(SceneError::Check(message));
         for (i, texture) in self.textures.iter().enumerate() {
             if texture.image >= self.images.len() {
-                return fail(format!("texture {i}: image {} of {}", texture.image, self.images.len()));
+                return fail(format!(
+                    "texture {i}: image {} of {}",
+                    texture.image,
+                    self.images.len()
+                ));
             }
         }
         for material in &self.materials {
@@ -135,14 +150,25 @@ impl Scene {
         }
         for instance in &self.instances {
             if instance.mesh >= self.meshes.len() {
-                return fail(format!("node '{}': mesh {} of {}", instance.node, instance.mesh, self.meshes.len()));
+                return fail(format!(
+                    "node '{}': mesh {} of {}",
+                    instance.node,
+                    instance.mesh,
+                    self.meshes.len()
+                ));
             }
             if !instance.world_from_mesh.is_finite() {
-                return fail(format!("node '{}': its transform is not finite", instance.node));
+                return fail(format!(
+                    "node '{}': its transform is not finite",
+                    instance.node
+                ));
             }
         }
         if !self.sky.is_finite() || self.sky.to_array().iter().any(|&band| band < 0.0) {
-            return fail(format!("sky radiance {:?} is negative or not finite", self.sky.to_array()));
+            return fail(format!(
+                "sky radiance {:?} is negative or not finite",
+                self.sky.to_array()
+            ));
         }
         Ok(())
     }
@@ -151,11 +177,17 @@ impl Scene {
         let name = &material.name;
         let numbers = [material.alpha, material.metallic, material.transmission];
         if !material.base_color.is_finite() || !numbers.iter().all(|x| x.is_finite()) {
-            return Err(SceneError::Check(format!("material '{name}': a factor is not finite")));
+            return Err(SceneError::Check(format!(
+                "material '{name}': a factor is not finite"
+            )));
         }
-        if !material.emission.is_finite() || material.emission.to_array().iter().any(|&band| band < 0.0) {
+        if !material.emission.is_finite()
+            || material.emission.to_array().iter().any(|&band| band < 0.0)
+        {
             let emission = material.emission.to_array();
-            return Err(SceneError::Check(format!("material '{name}': emission {emission:?} is negative or not finite")));
+            return Err(SceneError::Check(format!(
+                "material '{name}': emission {emission:?} is negative or not finite"
+            )));
         }
         let slots = [
             material.base_color_texture,
@@ -163,10 +195,17 @@ impl Scene {
             material.emission_texture,
             material.transmission_texture,
         ];
-        match slots.iter().flatten().find(|slot| slot.texture >= self.textures.len()) {
+        match slots
+            .iter()
+            .flatten()
+            .find(|slot| slot.texture >= self.textures.len())
+        {
             Some(slot) => {
                 let count = self.textures.len();
-                Err(SceneError::Check(format!("material '{name}': texture {} of {count}", slot.texture)))
+                Err(SceneError::Check(format!(
+                    "material '{name}': texture {} of {count}",
+                    slot.texture
+                )))
             }
             None => Ok(()),
         }
@@ -176,17 +215,28 @@ impl Scene {
         let (name, count) = (&mesh.name, mesh.positions.len());
         let fail = |message: String| Err(SceneError::Check(format!("mesh '{name}': {message}")));
         if mesh.material >= self.materials.len() {
-            return fail(format!("material {} of {}", mesh.material, self.materials.len()));
+            return fail(format!(
+                "material {} of {}",
+                mesh.material,
+                self.materials.len()
+            ));
         }
         let optional = |length: usize| length == 0 || length == count;
-        if !optional(mesh.normals.len()) || !optional(mesh.colors.len()) || mesh.texcoords.iter().any(|t| t.len() != count) {
+        if !optional(mesh.normals.len())
+            || !optional(mesh.colors.len())
+            || mesh.texcoords.iter().any(|t| t.len() != count)
+        {
             return fail(format!("its vertex arrays are not all {count} long"));
         }
         if let Some(i) = mesh.positions.iter().position(|p| !p.is_finite()) {
             return fail(format!("vertex {i} is not finite"));
         }
         for (i, face) in mesh.faces.iter().enumerate() {
-            if let Some(corner) = face.corners().iter().find(|&&corner| corner as usize >= count) {
+            if let Some(corner) = face
+                .corners()
+                .iter()
+                .find(|&&corner| corner as usize >= count)
+            {
                 return fail(format!("face {i} uses vertex {corner} of {count}"));
             }
         }

@@ -114,7 +114,10 @@ impl Scene {
             return [1.0; 4];
         };
         let texture = &self.textures[slot.texture];
-        let texcoord = texcoords.get(slot.texcoord_set).copied().unwrap_or(Vec2::ZERO);
+        let texcoord = texcoords
+            .get(slot.texcoord_set)
+            .copied()
+            .unwrap_or(Vec2::ZERO);
         self.images[texture.image].sample(slot.coordinates(texcoord), texture.wrap, srgb)
     }
 }

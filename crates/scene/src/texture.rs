@@ -48,7 +48,9 @@ impl TextureImage {
     /// Decodes a PNG or JPEG file; the error says in words why it cannot be used.
     pub fn decode(name: impl Into<String>, encoded: impl Into<Arc<[u8]>>) -> Result<Self, String> {
         let encoded = encoded.into();
-        let mut reader = image::ImageReader::new(Cursor::new(&encoded)).with_guessed_format().map_err(|e| e.to_string())?;
+        let mut reader = image::ImageReader::new(Cursor::new(&encoded))
+            .with_guessed_format()
+            .map_err(|e| e.to_string())?;
         let media_type = match reader.format() {
             Some(image::ImageFormat::Png) => "image/png",
             Some(image::ImageFormat::Jpeg) => "image/jpeg",
@@ -61,9 +63,19 @@ impl TextureImage {
         reader.limits(limits);
         let decoded = reader.decode().map_err(|e| e.to_string())?.into_rgba8();
         let (width, height) = (decoded.width() as usize, decoded.height() as usize);
-        let pixels = decoded.into_raw().chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect();
-        let pixels = Image::from_pixels(width, height, pixels).ok_or("its size does not fit its pixels")?;
-        Ok(Self { name: name.into(), encoded, media_type, pixels: Arc::new(pixels) })
+        let pixels = decoded
+            .into_raw()
+            .chunks_exact(4)
+            .map(|p| [p[0], p[1], p[2], p[3]])
+            .collect();
+        let pixels =
+            Image::from_pixels(width, height, pixels).ok_or("its size does not fit its pixels")?;
+        Ok(Self {
+            name: name.into(),
+            encoded,
+            media_type,
+            pixels: Arc::new(pixels),
+        })
     }
 
     /// A picture made by the program, kept as PNG.
@@ -73,9 +85,20 @@ impl TextureImage {
         let bytes: Vec<u8> = pixels.pixels().iter().flatten().copied().collect();
         let encoder = image::codecs::png::PngEncoder::new(&mut encoded);
         let side = |n: usize| u32::try_from(n).expect("a texture's side fits 32 bits");
-        image::ImageEncoder::write_image(encoder, &bytes, side(width), side(height), image::ExtendedColorType::Rgba8)
-            .expect("encoding into memory does not fail");
-        Self { name: name.into(), encoded: encoded.into(), media_type: "image/png", pixels: Arc::new(pixels) }
+        image::ImageEncoder::write_image(
+            encoder,
+            &bytes,
+            side(width),
+            side(height),
+            image::ExtendedColorType::Rgba8,
+        )
+        .expect("encoding into memory does not fail");
+        Self {
+            name: name.into(),
+            encoded: encoded.into(),
+            media_type: "image/png",
+            pixels: Arc::new(pixels),
+        }
     }
 
     /// The bytes of the file.
@@ -109,7 +132,11 @@ impl TextureImage {
                 let texel = self.pixels.pixel(column, row);
                 for (channel, total) in sum.iter_mut().enumerate() {
                     let code = texel[channel];
-                    let value = if srgb && channel < 3 { table[code as usize] } else { f32::from(code) / 255.0 };
+                    let value = if srgb && channel < 3 {
+                        table[code as usize]
+                    } else {
+                        f32::from(code) / 255.0
+                    };
                     *total += wx * wy * value;
                 }
             }
@@ -119,7 +146,10 @@ impl TextureImage {
 }
 
 /// The lower texel of the pair around a coordinate, and the weight of the upper one (Vulkan 1.3, 16.6.1).
-#[expect(clippy::cast_possible_truncation, reason = "float to integer casts saturate, wrapping brings them back")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "float to integer casts saturate, wrapping brings them back"
+)]
 fn texel_and_fraction(coordinate: f32, size: usize) -> (i64, f32) {
     let position = f64::from(coordinate) * size as f64 - 0.5;
     let lower = position.floor();
@@ -127,7 +157,12 @@ fn texel_and_fraction(coordinate: f32, size: usize) -> (i64, f32) {
 }
 
 /// Index of a texel inside the picture.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_possible_wrap, reason = "in 0..size")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap,
+    reason = "in 0..size"
+)]
 fn wrapped(index: i64, size: usize, wrap: Wrap) -> usize {
     let size = size as i64;
     let inside = match wrap {
@@ -135,7 +170,11 @@ fn wrapped(index: i64, size: usize, wrap: Wrap) -> usize {
         Wrap::ClampToEdge => index.clamp(0, size - 1),
         Wrap::MirroredRepeat => {
             let period = index.rem_euclid(2 * size);
-            if period < size { period } else { 2 * size - 1 - period }
+            if period < size {
+                period
+            } else {
+                2 * size - 1 - period
+            }
         }
     };
     inside as usize

@@ -16,8 +16,16 @@ fn faces(scene: &Scene) -> Vec<(String, usize, Vec<Vec3>)> {
     for instance in &scene.instances {
         let mesh = &scene.meshes[instance.mesh];
         for face in &mesh.faces {
-            let place = |&corner: &u32| instance.world_from_mesh.transform_point3(mesh.positions[corner as usize]);
-            all.push((instance.node.clone(), mesh.material, face.corners().iter().map(place).collect()));
+            let place = |&corner: &u32| {
+                instance
+                    .world_from_mesh
+                    .transform_point3(mesh.positions[corner as usize])
+            };
+            all.push((
+                instance.node.clone(),
+                mesh.material,
+                face.corners().iter().map(place).collect(),
+            ));
         }
     }
     all
@@ -26,25 +34,50 @@ fn faces(scene: &Scene) -> Vec<(String, usize, Vec<Vec3>)> {
 /// Area times normal of a polygon, in f64: sums must balance.
 fn vector_area(corners: &[Vec3]) -> glam::DVec3 {
     let at = |i: usize| corners[i].as_dvec3();
-    (1..corners.len() - 1).map(|i| (at(i) - at(0)).cross(at(i + 1) - at(0)) * 0.5).sum()
+    (1..corners.len() - 1)
+        .map(|i| (at(i) - at(0)).cross(at(i + 1) - at(0)) * 0.5)
+        .sum()
 }
 
 #[test]
 fn all_of_the_list_are_valid_and_lit() {
     for listed in builtin::list() {
         let scene = scene(listed.name);
-        assert!(scene.check().is_ok(), "{}: {:?}", listed.name, scene.check());
+        assert!(
+            scene.check().is_ok(),
+            "{}: {:?}",
+            listed.name,
+            scene.check()
+        );
         assert_eq!(scene.name, listed.name, "name");
         assert!(scene.has_light(), "{} is dark", listed.name);
-        assert!(!scene.cameras.is_empty(), "{} cannot be looked at", listed.name);
-        assert!(!listed.description.is_empty() && !listed.description.contains('\n'), "{}", listed.description);
+        assert!(
+            !scene.cameras.is_empty(),
+            "{} cannot be looked at",
+            listed.name
+        );
+        assert!(
+            !listed.description.is_empty() && !listed.description.contains('\n'),
+            "{}",
+            listed.description
+        );
         let mut names: Vec<&str> = scene.cameras.iter().map(|c| c.name.as_str()).collect();
         names.dedup();
-        assert_eq!(names.len(), scene.cameras.len(), "{}: cameras have names of their own", listed.name);
+        assert_eq!(
+            names.len(),
+            scene.cameras.len(),
+            "{}: cameras have names of their own",
+            listed.name
+        );
         let mut materials: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
         materials.sort_unstable();
         materials.dedup();
-        assert_eq!(materials.len(), scene.materials.len(), "{}: materials have names of their own", listed.name);
+        assert_eq!(
+            materials.len(),
+            scene.materials.len(),
+            "{}: materials have names of their own",
+            listed.name
+        );
     }
     assert!(builtin::scene("teapot").is_none(), "an unknown name");
 }
@@ -62,23 +95,48 @@ fn agrees_with_its_file(name: &str, json: &str) -> Scene {
         let placed: Vec<glam::DVec3> = mesh
             .faces
             .iter()
-            .map(|face| vector_area(&face.corners().iter().map(|&c| mesh.positions[c as usize]).collect::<Vec<_>>()))
+            .map(|face| {
+                vector_area(
+                    &face
+                        .corners()
+                        .iter()
+                        .map(|&c| mesh.positions[c as usize])
+                        .collect::<Vec<_>>(),
+                )
+            })
             .collect();
         let area: f64 = placed.iter().map(|v| v.length()).sum();
         let wanted = quad["area"].as_f64().expect("a number");
         // Coordinates are f32 here and f64 there.
-        assert!((area / wanted - 1.0).abs() < 1e-5, "{node}: area {area}, not {wanted}");
+        assert!(
+            (area / wanted - 1.0).abs() < 1e-5,
+            "{node}: area {area}, not {wanted}"
+        );
         let normal = &quad["normal"];
         let normal = glam::DVec3::new(band(normal, 0), band(normal, 1), band(normal, 2));
-        assert!(placed[0].normalize().dot(normal) > 0.9999, "{node}: front {} not {normal}", placed[0].normalize());
+        assert!(
+            placed[0].normalize().dot(normal) > 0.9999,
+            "{node}: front {} not {normal}",
+            placed[0].normalize()
+        );
         let material = &scene.materials[mesh.material];
         for i in 0..3 {
             let (rho, emission) = (band(&quad["reflectance"], i), band(&quad["emission"], i));
-            assert!((f64::from(material.base_color[i]) - rho).abs() < 1e-6, "{node}: reflectance {i}");
-            assert!((f64::from(material.emission[i]) - emission).abs() < 1e-6, "{node}: emission {i}");
+            assert!(
+                (f64::from(material.base_color[i]) - rho).abs() < 1e-6,
+                "{node}: reflectance {i}"
+            );
+            assert!(
+                (f64::from(material.emission[i]) - emission).abs() < 1e-6,
+                "{node}: emission {i}"
+            );
         }
         let planar = quad["planar_error"].as_f64().expect("a number") < 1e-3;
-        assert_eq!(matches!(mesh.faces[..], [Face::Quad(_)]), planar, "{node}: planar quads stay whole");
+        assert_eq!(
+            matches!(mesh.faces[..], [Face::Quad(_)]),
+            planar,
+            "{node}: planar quads stay whole"
+        );
     }
     assert_eq!(scene.units, Units::Radiometric, "units");
     scene
@@ -87,13 +145,33 @@ fn agrees_with_its_file(name: &str, json: &str) -> Scene {
 #[test]
 fn cornell_is_what_was_measured() {
     let scene = agrees_with_its_file("cornell", include_str!("../src/builtin/cornell.json"));
-    assert_eq!(scene.face_count(), 20, "18 quads and the halves of the red wall");
+    assert_eq!(
+        scene.face_count(),
+        20,
+        "18 quads and the halves of the red wall"
+    );
     let materials: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
-    assert_eq!(materials, ["white", "light", "green", "red"], "shared materials");
-    assert_eq!(scene.materials[1].base_color, Rgb::splat(0.78), "the light reflects");
+    assert_eq!(
+        materials,
+        ["white", "light", "green", "red"],
+        "shared materials"
+    );
+    assert_eq!(
+        scene.materials[1].base_color,
+        Rgb::splat(0.78),
+        "the light reflects"
+    );
     let camera = scene.camera("front").expect("it has that camera");
-    assert_eq!((camera.eye, camera.forward), (Vec3::new(278.0, 273.0, -800.0), Vec3::Z), "camera");
-    let red = scene.instances.iter().find(|i| i.node == "left_red").expect("the red wall");
+    assert_eq!(
+        (camera.eye, camera.forward),
+        (Vec3::new(278.0, 273.0, -800.0), Vec3::Z),
+        "camera"
+    );
+    let red = scene
+        .instances
+        .iter()
+        .find(|i| i.node == "left_red")
+        .expect("the red wall");
     let halves = [Face::Triangle([0, 1, 2]), Face::Triangle([0, 2, 3])];
     assert_eq!(scene.meshes[red.mesh].faces, halves, "split along v0-v2");
 }
@@ -111,12 +189,25 @@ fn furnace_is_closed_and_looks_inward() {
         let scene = builtin::furnace_with(reflectance, exitance);
         let faces = faces(&scene);
         let total: glam::DVec3 = faces.iter().map(|f| vector_area(&f.2)).sum();
-        assert!(total.length() < 1e-6, "a closed surface has no vector area: {total}");
-        let flux: f64 = faces.iter().map(|f| vector_area(&f.2).dot(f.2[0].as_dvec3())).sum();
+        assert!(
+            total.length() < 1e-6,
+            "a closed surface has no vector area: {total}"
+        );
+        let flux: f64 = faces
+            .iter()
+            .map(|f| vector_area(&f.2).dot(f.2[0].as_dvec3()))
+            .sum();
         // Flux of the position through the closed surface is three times the volume, negative as normals look in.
         assert!((flux + 24.0).abs() < 1e-5, "flux {flux}");
-        assert!((scene.materials[0].emission.r * std::f32::consts::PI - exitance).abs() < 1e-6, "exitance");
-        assert_eq!(scene.materials[0].base_color, Rgb::splat(reflectance), "reflectance");
+        assert!(
+            (scene.materials[0].emission.r * std::f32::consts::PI - exitance).abs() < 1e-6,
+            "exitance"
+        );
+        assert_eq!(
+            scene.materials[0].base_color,
+            Rgb::splat(reflectance),
+            "reflectance"
+        );
         assert_eq!(scene.face_count(), 6, "quads");
     }
 }
@@ -128,8 +219,16 @@ fn plates_face_each_other() {
         ("perpendicular-plates", glam::DVec3::Y, glam::DVec3::Z),
     ] {
         let faces = faces(&scene(name));
-        assert_eq!(vector_area(&faces[0].2), source, "{name}: unit area, source");
-        assert_eq!(vector_area(&faces[1].2), receiver, "{name}: unit area, receiver");
+        assert_eq!(
+            vector_area(&faces[0].2),
+            source,
+            "{name}: unit area, source"
+        );
+        assert_eq!(
+            vector_area(&faces[1].2),
+            receiver,
+            "{name}: unit area, receiver"
+        );
     }
 }
 
@@ -141,16 +240,30 @@ fn office_has_sound_faces() {
     for (node, material, corners) in faces(&scene) {
         let area = vector_area(&corners);
         // Leaves have the smallest faces: about 1 mm².
-        assert!(area.length() > 1e-8, "{node}, {}: area {}", scene.materials[material].name, area.length());
+        assert!(
+            area.length() > 1e-8,
+            "{node}, {}: area {}",
+            scene.materials[material].name,
+            area.length()
+        );
         if let [a, b, c, d] = corners[..] {
             let normal = area.normalize().as_vec3();
-            let off = normal.dot(b - a).abs().max(normal.dot(c - a).abs()).max(normal.dot(d - a).abs());
+            let off = normal
+                .dot(b - a)
+                .abs()
+                .max(normal.dot(c - a).abs())
+                .max(normal.dot(d - a).abs());
             assert!(off < 1e-4, "{node}: a corner {off} m off its quad");
             let corner = [a, b, c, d];
             let turns = |i: usize| {
-                (corner[(i + 1) % 4] - corner[i]).cross(corner[(i + 2) % 4] - corner[(i + 1) % 4]).dot(normal)
+                (corner[(i + 1) % 4] - corner[i])
+                    .cross(corner[(i + 2) % 4] - corner[(i + 1) % 4])
+                    .dot(normal)
             };
-            assert!((0..4).all(|i| turns(i) >= -1e-9), "{node}: a quad is not convex");
+            assert!(
+                (0..4).all(|i| turns(i) >= -1e-9),
+                "{node}: a quad is not convex"
+            );
         }
     }
 }
@@ -160,13 +273,26 @@ fn office_normals_are_on_the_front() {
     let scene = scene("office");
     for mesh in &scene.meshes {
         for face in &mesh.faces {
-            let corners: Vec<Vec3> = face.corners().iter().map(|&c| mesh.positions[c as usize]).collect();
+            let corners: Vec<Vec3> = face
+                .corners()
+                .iter()
+                .map(|&c| mesh.positions[c as usize])
+                .collect();
             let front = vector_area(&corners).normalize().as_vec3();
             for &corner in face.corners() {
                 let normal = mesh.normals[corner as usize];
-                assert!((normal.length() - 1.0).abs() < 1e-4, "{}: length {}", mesh.name, normal.length());
+                assert!(
+                    (normal.length() - 1.0).abs() < 1e-4,
+                    "{}: length {}",
+                    mesh.name,
+                    normal.length()
+                );
                 // A bar that bends by a right angle has normals of 79 degrees.
-                assert!(normal.dot(front) > 0.15, "{}: {normal} on a face towards {front}", mesh.name);
+                assert!(
+                    normal.dot(front) > 0.15,
+                    "{}: {normal} on a face towards {front}",
+                    mesh.name
+                );
             }
         }
     }
@@ -177,16 +303,33 @@ fn office_cameras_stand_in_the_room() {
     let scene = scene("office");
     for name in ["entrance", "desk", "window", "corner"] {
         let camera = scene.camera(name).expect("it is promised");
-        assert!(camera.eye.cmpgt(Vec3::splat(0.3)).all() && camera.eye.cmplt(Vec3::new(5.7, 2.5, 4.3)).all(), "{name}: {}", camera.eye);
-        assert!((1.2..=1.7).contains(&camera.eye.y), "{name}: height of the eye {}", camera.eye.y);
+        assert!(
+            camera.eye.cmpgt(Vec3::splat(0.3)).all()
+                && camera.eye.cmplt(Vec3::new(5.7, 2.5, 4.3)).all(),
+            "{name}: {}",
+            camera.eye
+        );
+        assert!(
+            (1.2..=1.7).contains(&camera.eye.y),
+            "{name}: height of the eye {}",
+            camera.eye.y
+        );
         let hemicube_scene::Projection::Perspective { vertical_fov, .. } = camera.projection else {
             panic!("{name} is a perspective view")
         };
-        assert!((50.0..=75.0).contains(&vertical_fov.to_degrees()), "{name}: {}", vertical_fov.to_degrees());
+        assert!(
+            (50.0..=75.0).contains(&vertical_fov.to_degrees()),
+            "{name}: {}",
+            vertical_fov.to_degrees()
+        );
     }
     let (low, high) = scene.bounds().expect("it is not empty");
     assert!(low.y >= 0.0, "nothing goes through the floor: {low}");
-    assert!(high.cmple(Vec3::new(6.1, 2.84, 4.61)).all() && low.cmpge(Vec3::new(-0.21, 0.0, -0.001)).all(), "{low} {high}");
+    assert!(
+        high.cmple(Vec3::new(6.1, 2.84, 4.61)).all()
+            && low.cmpge(Vec3::new(-0.21, 0.0, -0.001)).all(),
+        "{low} {high}"
+    );
 }
 
 /// From every camera a sphere of rays: each one ends on the front of something.
@@ -210,12 +353,18 @@ fn office_is_closed_and_seen_from_the_front() {
             let direction = Vec3::new(radius * turn.cos(), y, radius * turn.sin());
             let nearest = triangles
                 .iter()
-                .filter_map(|(node, double, t)| hit(camera.eye, direction, *t).map(|(k, front)| (k, front || *double, *node)))
+                .filter_map(|(node, double, t)| {
+                    hit(camera.eye, direction, *t).map(|(k, front)| (k, front || *double, *node))
+                })
                 .min_by(|a, b| a.0.total_cmp(&b.0));
             let Some((_, front, node)) = nearest else {
                 panic!("camera {}: nothing towards {direction}", camera.name)
             };
-            assert!(front, "camera {}: the back of '{node}' towards {direction}", camera.name);
+            assert!(
+                front,
+                "camera {}: the back of '{node}' towards {direction}",
+                camera.name
+            );
         }
     }
 }
@@ -241,10 +390,22 @@ fn office_textures_and_reflectances_are_believable() {
     assert_eq!(scene.units, Units::Photometric, "units");
     for image in &scene.images {
         let (width, height) = (image.pixels().width(), image.pixels().height());
-        assert!(width <= 1024 && height <= 1024, "{}: {width} x {height}", image.name);
+        assert!(
+            width <= 1024 && height <= 1024,
+            "{}: {width} x {height}",
+            image.name
+        );
         let first = image.pixels().pixels()[0];
-        assert!(image.pixels().pixels().iter().any(|texel| *texel != first), "{} is of one colour", image.name);
-        assert!(image.pixels().pixels().iter().all(|texel| texel[3] == 255), "{} is opaque", image.name);
+        assert!(
+            image.pixels().pixels().iter().any(|texel| *texel != first),
+            "{} is of one colour",
+            image.name
+        );
+        assert!(
+            image.pixels().pixels().iter().all(|texel| texel[3] == 255),
+            "{} is opaque",
+            image.name
+        );
     }
     for (i, material) in scene.materials.iter().enumerate() {
         let mut sum = Rgb::BLACK;
@@ -255,13 +416,30 @@ fn office_textures_and_reflectances_are_believable() {
             assert!(!surface.clamped, "{}: {surface:?}", material.name);
             sum += surface.reflectance / f32::from(side).powi(2);
         }
-        assert!(sum.max_band() > 0.02 && sum.max_band() < 0.86, "{}: mean reflectance {sum:?}", material.name);
-        assert!(material.emission.luminance() < 20_000.0, "{}: {:?} cd/m²", material.name, material.emission);
+        assert!(
+            sum.max_band() > 0.02 && sum.max_band() < 0.86,
+            "{}: mean reflectance {sum:?}",
+            material.name
+        );
+        assert!(
+            material.emission.luminance() < 20_000.0,
+            "{}: {:?} cd/m²",
+            material.name,
+            material.emission
+        );
     }
-    assert!(scene.materials.iter().filter(|m| m.emits()).count() >= 6, "several luminaires");
+    assert!(
+        scene.materials.iter().filter(|m| m.emits()).count() >= 6,
+        "several luminaires"
+    );
     let used: Vec<usize> = scene.meshes.iter().map(|m| m.material).collect();
-    let idle: Vec<&str> =
-        scene.materials.iter().enumerate().filter(|(i, _)| !used.contains(i)).map(|(_, m)| m.name.as_str()).collect();
+    let idle: Vec<&str> = scene
+        .materials
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| !used.contains(i))
+        .map(|(_, m)| m.name.as_str())
+        .collect();
     assert!(idle.is_empty(), "materials that nothing has: {idle:?}");
 }
 
@@ -283,7 +461,10 @@ fn volume(draw: impl FnOnce(&mut SceneBuilder, usize)) -> f64 {
     let faces = faces(&builder.finish());
     let total: glam::DVec3 = faces.iter().map(|f| vector_area(&f.2)).sum();
     assert!(total.length() < 1e-5, "not closed: {total}");
-    faces.iter().map(|f| f.2[0].as_dvec3().dot(vector_area(&f.2)) / 3.0).sum()
+    faces
+        .iter()
+        .map(|f| f.2[0].as_dvec3().dot(vector_area(&f.2)) / 3.0)
+        .sum()
 }
 
 #[test]
@@ -291,15 +472,34 @@ fn built_solids_are_closed_and_look_outward() {
     let pi = std::f64::consts::PI;
     let low = Vec3::new(-0.2, 0.1, -0.3);
     let cases: [(&str, f64, f64); 5] = [
-        ("cuboid", volume(|b, m| b.cuboid(m, low, low + Vec3::new(0.5, 0.25, 1.0), Sides::ALL)), 0.125),
-        ("cylinder", volume(|b, m| b.cylinder(m, low, 0.5, 2.0, 64, [true, true])), 0.5 * pi),
+        (
+            "cuboid",
+            volume(|b, m| b.cuboid(m, low, low + Vec3::new(0.5, 0.25, 1.0), Sides::ALL)),
+            0.125,
+        ),
+        (
+            "cylinder",
+            volume(|b, m| b.cylinder(m, low, 0.5, 2.0, 64, [true, true])),
+            0.5 * pi,
+        ),
         ("sphere", volume(|b, m| b.sphere(m, low, 0.5, 64)), pi / 6.0),
-        ("tube", volume(|b, m| b.tube(m, &[low, low + Vec3::X, low + Vec3::X * 2.0], 0.25, 64)), pi / 8.0),
-        ("rounded", volume(|b, m| b.rounded(m, low, low + Vec3::splat(1.0), 0.5, 16)), pi / 6.0),
+        (
+            "tube",
+            volume(|b, m| b.tube(m, &[low, low + Vec3::X, low + Vec3::X * 2.0], 0.25, 64)),
+            pi / 8.0,
+        ),
+        (
+            "rounded",
+            volume(|b, m| b.rounded(m, low, low + Vec3::splat(1.0), 0.5, 16)),
+            pi / 6.0,
+        ),
     ];
     for (name, volume, exact) in cases {
         // Facets lie inside the round shape; 64 of them lose less than 1 %.
-        assert!(volume > 0.98 * exact && volume < 1.0001 * exact, "{name}: volume {volume}, round {exact}");
+        assert!(
+            volume > 0.98 * exact && volume < 1.0001 * exact,
+            "{name}: volume {volume}, round {exact}"
+        );
     }
     let plate = volume(|b, m| b.plate(m, 3, 2, |u, v, w| Vec3::new(2.0 * u, v, 0.5 * w)));
     assert!((plate - 1.0).abs() < 1e-5, "plate: {plate}");

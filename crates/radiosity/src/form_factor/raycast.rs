@@ -201,11 +201,7 @@ impl RayCast {
     fn probe(&self, from: &Shooter) -> [Rgb; 3] {
         let rays = self.options.rays.clamp(64, 1024);
         let tallies = self.cast(from, rays, |tally: &mut [Rgb; 2], hit, taken| {
-            tally[usize::from(
-                self.mesh()
-                    .element_at(hit.face, hit.side, hit.point)
-                    .is_none(),
-            )] += taken;
+            tally[usize::from(!self.mesh.visibility().receives(hit.face, hit.side))] += taken;
         });
         tallies
             .into_iter()

@@ -85,7 +85,11 @@ impl SceneBuilder {
     /// An empty scene.
     pub fn new(name: &str, units: Units) -> Self {
         Self {
-            scene: Scene { name: name.to_owned(), units, ..Scene::default() },
+            scene: Scene {
+                name: name.to_owned(),
+                units,
+                ..Scene::default()
+            },
             node: name.to_owned(),
             world_from_node: Affine3A::IDENTITY,
             node_from_part: Affine3A::IDENTITY,
@@ -112,14 +116,25 @@ impl SceneBuilder {
     /// Adds a material that reflects as its texture says; one copy of the texture covers `tile` metres.
     pub fn textured(&mut self, name: &str, texture: usize, tile: Vec2) -> usize {
         let transform = Affine2::from_scale(tile.recip());
-        let slot = TextureSlot { transform, ..TextureSlot::new(texture) };
-        self.material(Material { base_color_texture: Some(slot), ..Material::diffuse(name, Rgb::WHITE) })
+        let slot = TextureSlot {
+            transform,
+            ..TextureSlot::new(texture)
+        };
+        self.material(Material {
+            base_color_texture: Some(slot),
+            ..Material::diffuse(name, Rgb::WHITE)
+        })
     }
 
     /// Adds a texture.
     pub fn texture(&mut self, name: &str, wrap: Wrap, pixels: Image<[u8; 4]>) -> usize {
-        self.scene.images.push(TextureImage::from_pixels(name, pixels));
-        self.scene.textures.push(Texture { image: self.scene.images.len() - 1, wrap: [wrap; 2] });
+        self.scene
+            .images
+            .push(TextureImage::from_pixels(name, pixels));
+        self.scene.textures.push(Texture {
+            image: self.scene.images.len() - 1,
+            wrap: [wrap; 2],
+        });
         self.scene.textures.len() - 1
     }
 
@@ -151,13 +166,27 @@ impl SceneBuilder {
 
     /// The mesh of a material in the open node.
     fn mesh(&mut self, material: usize) -> &mut Mesh {
-        let found = self.open.iter().find(|(of, _)| *of == material).map(|&(_, mesh)| mesh);
+        let found = self
+            .open
+            .iter()
+            .find(|(of, _)| *of == material)
+            .map(|&(_, mesh)| mesh);
         let mesh = found.unwrap_or_else(|| {
             let mesh = self.scene.meshes.len();
             let name = format!("{}/{}", self.node, self.scene.materials[material].name);
-            self.scene.meshes.push(Mesh { name, material, texcoords: vec![Vec::new()], ..Mesh::default() });
+            self.scene.meshes.push(Mesh {
+                name,
+                material,
+                texcoords: vec![Vec::new()],
+                ..Mesh::default()
+            });
             let (node, world_from_mesh) = (self.node.clone(), self.world_from_node);
-            self.scene.instances.push(Instance { node, mesh, world_from_mesh, flipped: false });
+            self.scene.instances.push(Instance {
+                node,
+                mesh,
+                world_from_mesh,
+                flipped: false,
+            });
             self.open.push((material, mesh));
             mesh
         });
@@ -171,8 +200,10 @@ impl SceneBuilder {
         let mesh = self.mesh(material);
         let first = index(mesh.positions.len());
         for vertex in vertices {
-            mesh.positions.push(node_from_part.transform_point3(vertex.position));
-            mesh.normals.push((normals_matrix * vertex.normal).normalize_or_zero());
+            mesh.positions
+                .push(node_from_part.transform_point3(vertex.position));
+            mesh.normals
+                .push((normals_matrix * vertex.normal).normalize_or_zero());
             mesh.texcoords[0].push(vertex.texcoord);
         }
         first
@@ -190,8 +221,12 @@ impl SceneBuilder {
         }
         match distinct[..] {
             [a, b, c] => mesh.faces.push(Face::Triangle([a, b, c])),
-            [a, b, c, d] if is_planar([at(a), at(b), at(c), at(d)]) => mesh.faces.push(Face::Quad([a, b, c, d])),
-            [a, b, c, d] => mesh.faces.extend([Face::Triangle([a, b, c]), Face::Triangle([a, c, d])]),
+            [a, b, c, d] if is_planar([at(a), at(b), at(c), at(d)]) => {
+                mesh.faces.push(Face::Quad([a, b, c, d]));
+            }
+            [a, b, c, d] => mesh
+                .faces
+                .extend([Face::Triangle([a, b, c]), Face::Triangle([a, c, d])]),
             _ => {}
         }
     }
@@ -208,21 +243,41 @@ impl SceneBuilder {
         let normal = right.cross(corners[3] - corners[0]).normalize_or_zero();
         let up = normal.cross(right);
         let texcoord = |p: Vec3| Vec2::new((p - corners[0]).dot(right), -(p - corners[0]).dot(up));
-        self.polygon(material, corners.map(|position| Vertex { position, normal, texcoord: texcoord(position) }));
+        self.polygon(
+            material,
+            corners.map(|position| Vertex {
+                position,
+                normal,
+                texcoord: texcoord(position),
+            }),
+        );
     }
 
     /// Draws a flat quad that one copy of a picture fills, its first corner being the lower left one.
     pub fn picture(&mut self, material: usize, corners: [Vec3; 4]) {
-        let normal = (corners[1] - corners[0]).cross(corners[3] - corners[0]).normalize_or_zero();
+        let normal = (corners[1] - corners[0])
+            .cross(corners[3] - corners[0])
+            .normalize_or_zero();
         let texcoords = [Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO];
-        let vertex = |i: usize| Vertex { position: corners[i], normal, texcoord: texcoords[i] };
+        let vertex = |i: usize| Vertex {
+            position: corners[i],
+            normal,
+            texcoord: texcoords[i],
+        };
         self.polygon(material, [0, 1, 2, 3].map(vertex));
     }
 
     /// Draws the rectangle of `size` that starts in `origin`, without the holes `(low, high)` in it.
     ///
     /// The holes' edges run on across the rectangle, so that pieces share whole edges and subdivide alike.
-    pub fn rectangle_with_holes(&mut self, material: usize, origin: Vec3, axes: [Vec3; 2], size: Vec2, holes: &[(Vec2, Vec2)]) {
+    pub fn rectangle_with_holes(
+        &mut self,
+        material: usize,
+        origin: Vec3,
+        axes: [Vec3; 2],
+        size: Vec2,
+        holes: &[(Vec2, Vec2)],
+    ) {
         let lines = |axis: usize| {
             let ends = holes.iter().flat_map(|(low, high)| [low[axis], high[axis]]);
             let mut lines: Vec<f32> = [0.0, size[axis]].into_iter().chain(ends).collect();
@@ -237,14 +292,27 @@ impl SceneBuilder {
             normal,
             texcoord: Vec2::new(u, -v),
         };
-        let corners = rows.iter().flat_map(|&v| columns.iter().map(move |&u| (u, v)));
+        let corners = rows
+            .iter()
+            .flat_map(|&v| columns.iter().map(move |&u| (u, v)));
         let first = self.vertices(material, corners.map(vertex));
         let at = |row: usize, column: usize| first + index(row * columns.len() + column);
         for (row, v) in rows.windows(2).enumerate() {
             for (column, u) in columns.windows(2).enumerate() {
                 let centre = Vec2::new(u[0] + u[1], v[0] + v[1]) * 0.5;
-                if !holes.iter().any(|(low, high)| centre.cmpgt(*low).all() && centre.cmplt(*high).all()) {
-                    self.face(material, [at(row, column), at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)]);
+                if !holes
+                    .iter()
+                    .any(|(low, high)| centre.cmpgt(*low).all() && centre.cmplt(*high).all())
+                {
+                    self.face(
+                        material,
+                        [
+                            at(row, column),
+                            at(row, column + 1),
+                            at(row + 1, column + 1),
+                            at(row + 1, column),
+                        ],
+                    );
                 }
             }
         }
@@ -254,17 +322,36 @@ impl SceneBuilder {
     pub fn cuboid(&mut self, material: usize, low: Vec3, high: Vec3, sides: Sides) {
         let size = high - low;
         for (kept, [normal, right, up]) in sides.0.into_iter().zip(Sides::FRAMES) {
-            let (half_right, half_up) = (right * size.dot(right.abs()) * 0.5, up * size.dot(up.abs()) * 0.5);
+            let (half_right, half_up) = (
+                right * size.dot(right.abs()) * 0.5,
+                up * size.dot(up.abs()) * 0.5,
+            );
             let centre = (low + high + normal * size) * 0.5;
             let along = half_up.length() <= half_right.length();
             let corner = |s: f32, t: f32| {
                 let position = centre + half_right * s + half_up * t;
                 let (a, b) = (position.dot(right), position.dot(up));
-                let texcoord = if along { Vec2::new(a, -b) } else { Vec2::new(b, a) };
-                Vertex { position, normal, texcoord }
+                let texcoord = if along {
+                    Vec2::new(a, -b)
+                } else {
+                    Vec2::new(b, a)
+                };
+                Vertex {
+                    position,
+                    normal,
+                    texcoord,
+                }
             };
             if kept {
-                self.polygon(material, [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
+                self.polygon(
+                    material,
+                    [
+                        corner(-1.0, -1.0),
+                        corner(1.0, -1.0),
+                        corner(1.0, 1.0),
+                        corner(-1.0, 1.0),
+                    ],
+                );
             }
         }
     }
@@ -275,19 +362,41 @@ impl SceneBuilder {
         for (kept, [outward, right, up]) in sides.0.into_iter().zip(Sides::FRAMES) {
             let corner = |s: f32, t: f32| centre + (outward - right * s + up * t) * half;
             if kept {
-                self.quad(material, [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
+                self.quad(
+                    material,
+                    [
+                        corner(-1.0, -1.0),
+                        corner(1.0, -1.0),
+                        corner(1.0, 1.0),
+                        corner(-1.0, 1.0),
+                    ],
+                );
             }
         }
     }
 
     /// Draws a grid of vertices: columns go to the right, rows upward as seen from the front; neighbours share them.
-    fn grid(&mut self, material: usize, rows: usize, columns: usize, vertex: impl Fn(usize, usize) -> Vertex) {
+    fn grid(
+        &mut self,
+        material: usize,
+        rows: usize,
+        columns: usize,
+        vertex: impl Fn(usize, usize) -> Vertex,
+    ) {
         let all = (0..rows * columns).map(|i| vertex(i / columns, i % columns));
         let first = self.vertices(material, all);
         let at = |row: usize, column: usize| first + index(row * columns + column);
         for row in 0..rows - 1 {
             for column in 0..columns - 1 {
-                self.face(material, [at(row, column), at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)]);
+                self.face(
+                    material,
+                    [
+                        at(row, column),
+                        at(row, column + 1),
+                        at(row + 1, column + 1),
+                        at(row + 1, column),
+                    ],
+                );
             }
         }
     }
@@ -295,13 +404,24 @@ impl SceneBuilder {
     /// Draws a sheet of vertices `(row, column)`; columns go to the right, rows upward as seen from the front.
     ///
     /// Normals are smooth, coordinates are metres along the first row and column.
-    pub fn sheet(&mut self, material: usize, rows: usize, columns: usize, position: impl Fn(usize, usize) -> Vec3) {
+    pub fn sheet(
+        &mut self,
+        material: usize,
+        rows: usize,
+        columns: usize,
+        position: impl Fn(usize, usize) -> Vec3,
+    ) {
         let step = |row: usize, column: usize| {
             let (left, right) = (column.saturating_sub(1), (column + 1).min(columns - 1));
             let (below, above) = (row.saturating_sub(1), (row + 1).min(rows - 1));
-            (position(row, right) - position(row, left), position(above, column) - position(below, column))
+            (
+                position(row, right) - position(row, left),
+                position(above, column) - position(below, column),
+            )
         };
-        let length = |n: usize, at: &dyn Fn(usize) -> Vec3| (0..n).map(|i| at(i).distance(at(i + 1))).sum::<f32>();
+        let length = |n: usize, at: &dyn Fn(usize) -> Vec3| {
+            (0..n).map(|i| at(i).distance(at(i + 1))).sum::<f32>()
+        };
         self.grid(material, rows, columns, |row, column| {
             let (along, up) = step(row, column);
             let (middle_row, middle_column) = (rows / 2, columns / 2);
@@ -317,15 +437,32 @@ impl SceneBuilder {
     }
 
     /// Draws a bent plate from `position(u, v, w)`, all in [0, 1]: u to the right, v upward, w from its back to its front.
-    pub fn plate(&mut self, material: usize, columns: usize, rows: usize, position: impl Fn(f32, f32, f32) -> Vec3) {
-        let (u, v) = (|i: usize| i as f32 / columns as f32, |i: usize| i as f32 / rows as f32);
+    pub fn plate(
+        &mut self,
+        material: usize,
+        columns: usize,
+        rows: usize,
+        position: impl Fn(f32, f32, f32) -> Vec3,
+    ) {
+        let (u, v) = (
+            |i: usize| i as f32 / columns as f32,
+            |i: usize| i as f32 / rows as f32,
+        );
         let end = |i: usize| i as f32;
-        self.sheet(material, rows + 1, columns + 1, |r, c| position(u(c), v(r), 1.0));
-        self.sheet(material, rows + 1, columns + 1, |r, c| position(u(columns - c), v(r), 0.0));
+        self.sheet(material, rows + 1, columns + 1, |r, c| {
+            position(u(c), v(r), 1.0)
+        });
+        self.sheet(material, rows + 1, columns + 1, |r, c| {
+            position(u(columns - c), v(r), 0.0)
+        });
         self.sheet(material, 2, columns + 1, |r, c| position(u(c), 0.0, end(r)));
-        self.sheet(material, 2, columns + 1, |r, c| position(u(c), 1.0, end(1 - r)));
+        self.sheet(material, 2, columns + 1, |r, c| {
+            position(u(c), 1.0, end(1 - r))
+        });
         self.sheet(material, rows + 1, 2, |r, c| position(0.0, v(r), end(c)));
-        self.sheet(material, rows + 1, 2, |r, c| position(1.0, v(r), end(1 - c)));
+        self.sheet(material, rows + 1, 2, |r, c| {
+            position(1.0, v(r), end(1 - c))
+        });
     }
 
     /// Turns a profile of `(radius, height)` around the y axis.
@@ -333,7 +470,9 @@ impl SceneBuilder {
     /// Where the profile goes up, the front is outside; where it goes down, inside. It is smooth but for points that are
     /// given twice. Points on the axis close it.
     pub fn lathe(&mut self, material: usize, profile: &[(f32, f32)], segments: usize) {
-        let widest = profile.iter().fold(0.0_f32, |widest, point| widest.max(point.0));
+        let widest = profile
+            .iter()
+            .fold(0.0_f32, |widest, point| widest.max(point.0));
         let normals = profile_normals(profile);
         let mut lengths = vec![0.0];
         for pair in profile.windows(2) {
@@ -346,13 +485,24 @@ impl SceneBuilder {
             Vertex {
                 position: Vec3::new(radius * cos, height, -radius * sin),
                 normal: Vec3::new(normal.x * cos, normal.y, -normal.x * sin),
-                texcoord: Vec2::new(TAU * widest * column as f32 / segments as f32, -lengths[row]),
+                texcoord: Vec2::new(
+                    TAU * widest * column as f32 / segments as f32,
+                    -lengths[row],
+                ),
             }
         });
     }
 
     /// Draws an upright cylinder on `base`, with or without its lower and upper disc.
-    pub fn cylinder(&mut self, material: usize, base: Vec3, radius: f32, height: f32, segments: usize, discs: [bool; 2]) {
+    pub fn cylinder(
+        &mut self,
+        material: usize,
+        base: Vec3,
+        radius: f32,
+        height: f32,
+        segments: usize,
+        discs: [bool; 2],
+    ) {
         let mut profile = vec![(radius, 0.0), (radius, height)];
         if discs[0] {
             profile.splice(0..0, [(0.0, 0.0), (radius, 0.0)]);
@@ -360,7 +510,9 @@ impl SceneBuilder {
         if discs[1] {
             profile.extend([(radius, height), (0.0, height)]);
         }
-        self.part(Affine3A::from_translation(base), |b| b.lathe(material, &profile, segments));
+        self.part(Affine3A::from_translation(base), |b| {
+            b.lathe(material, &profile, segments);
+        });
     }
 
     /// Draws a sphere.
@@ -376,7 +528,9 @@ impl SceneBuilder {
                 }
             })
             .collect();
-        self.part(Affine3A::from_translation(centre), |b| b.lathe(material, &profile, segments));
+        self.part(Affine3A::from_translation(centre), |b| {
+            b.lathe(material, &profile, segments);
+        });
     }
 
     /// Draws a round bar along a polyline, closed at both ends.
@@ -395,7 +549,10 @@ impl SceneBuilder {
                 _ if row == last + 3 => (radius, tangent),
                 _ => (radius, radial),
             };
-            let along = path[..=point].windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f32>();
+            let along = path[..=point]
+                .windows(2)
+                .map(|pair| pair[0].distance(pair[1]))
+                .sum::<f32>();
             Vertex {
                 position: path[point] + radial * scale,
                 normal,
@@ -414,9 +571,18 @@ impl SceneBuilder {
             let (quadrant, step) = ((column / (steps + 1)) % 4, column % (steps + 1));
             let (a, b) = quarter(step, steps);
             let (x, z) = [(b, -a), (-a, -b), (-b, a), (a, b)][quadrant];
-            let signs = [Vec2::new(1.0, -1.0), -Vec2::ONE, Vec2::new(-1.0, 1.0), Vec2::ONE][quadrant];
+            let signs = [
+                Vec2::new(1.0, -1.0),
+                -Vec2::ONE,
+                Vec2::new(-1.0, 1.0),
+                Vec2::ONE,
+            ][quadrant];
             let upper = row > steps;
-            let (y, flat) = if upper { quarter(row - steps - 1, steps) } else { quarter(steps - row, steps) };
+            let (y, flat) = if upper {
+                quarter(row - steps - 1, steps)
+            } else {
+                quarter(steps - row, steps)
+            };
             let sign = if upper { 1.0 } else { -1.0 };
             let normal = Vec3::new(x * flat, y * sign, z * flat);
             let inner = Vec3::new(signs.x, sign, signs.y) * (half - radius);
@@ -425,12 +591,25 @@ impl SceneBuilder {
         for row in 0..rows - 1 {
             for column in 0..columns {
                 let next = (column + 1) % columns;
-                let corners = [(row, column), (row, next), (row + 1, next), (row + 1, column)];
+                let corners = [
+                    (row, column),
+                    (row, next),
+                    (row + 1, next),
+                    (row + 1, column),
+                ];
                 self.boxed(material, corners.map(|(row, column)| vertex(row, column)));
             }
         }
         let pole = |row: usize, quadrant: usize| vertex(row, quadrant * (steps + 1));
-        self.boxed(material, [pole(rows - 1, 0), pole(rows - 1, 1), pole(rows - 1, 2), pole(rows - 1, 3)]);
+        self.boxed(
+            material,
+            [
+                pole(rows - 1, 0),
+                pole(rows - 1, 1),
+                pole(rows - 1, 2),
+                pole(rows - 1, 3),
+            ],
+        );
         self.boxed(material, [pole(0, 3), pole(0, 2), pole(0, 1), pole(0, 0)]);
     }
 
@@ -443,8 +622,10 @@ impl SceneBuilder {
             .expect("a box has sides");
         self.polygon(
             material,
-            corners.map(|(position, normal)| {
-                Vertex { position, normal, texcoord: Vec2::new(position.dot(right), -position.dot(up)) }
+            corners.map(|(position, normal)| Vertex {
+                position,
+                normal,
+                texcoord: Vec2::new(position.dot(right), -position.dot(up)),
             }),
         );
     }
@@ -484,10 +665,18 @@ fn profile_normals(profile: &[(f32, f32)]) -> Vec<Vec2> {
     (0..profile.len())
         .map(|i| {
             let before = if i > 0 { across(i - 1) } else { Vec2::ZERO };
-            let after = if i + 1 < profile.len() { across(i) } else { Vec2::ZERO };
+            let after = if i + 1 < profile.len() {
+                across(i)
+            } else {
+                Vec2::ZERO
+            };
             let normal = (before + after).normalize_or_zero();
             // On the axis all directions meet.
-            if profile[i].0 == 0.0 && normal.y != 0.0 { Vec2::new(0.0, normal.y.signum()) } else { normal }
+            if profile[i].0 == 0.0 && normal.y != 0.0 {
+                Vec2::new(0.0, normal.y.signum())
+            } else {
+                normal
+            }
         })
         .collect()
 }
@@ -498,9 +687,12 @@ fn tube_frames(path: &[Vec3]) -> Vec<[Vec3; 3]> {
     let mut side: Option<Vec3> = None;
     (0..path.len())
         .map(|i| {
-            let tangent = (path[(i + 1).min(last)] - path[i.saturating_sub(1)]).normalize_or(Vec3::Y);
+            let tangent =
+                (path[(i + 1).min(last)] - path[i.saturating_sub(1)]).normalize_or(Vec3::Y);
             let start = side.unwrap_or_else(|| tangent.any_orthonormal_vector());
-            let across = start.reject_from_normalized(tangent).normalize_or(tangent.any_orthonormal_vector());
+            let across = start
+                .reject_from_normalized(tangent)
+                .normalize_or(tangent.any_orthonormal_vector());
             side = Some(across);
             [tangent, across, tangent.cross(across)]
         })

@@ -1,6 +1,6 @@
 //! The Cornell box: measured geometry in millimetres, open at the front.
 
-use crate::{Camera, Scene};
+use crate::{Camera, Projection, Scene};
 use glam::Vec3;
 
 /// Walls and boxes of the original; reflectances in three bands, the light's radiance in W/(m² sr).
@@ -17,6 +17,12 @@ pub(super) fn scene() -> Scene {
         })
     });
     let (eye, vertical_fov) = (Vec3::new(278.0, 273.0, -800.0), 39.3077_f32.to_radians());
-    scene.cameras.push(Camera::looking_at("front", eye, eye + Vec3::Z, Vec3::Y, vertical_fov));
+    let mut front = Camera::looking_at("front", eye, eye + Vec3::Z, Vec3::Y, vertical_fov);
+    // The original photograph is square.
+    front.projection = Projection::Perspective {
+        vertical_fov,
+        aspect: Some(1.0),
+    };
+    scene.cameras.push(front);
     scene
 }

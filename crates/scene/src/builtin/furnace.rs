@@ -16,11 +16,18 @@ pub(super) fn scene() -> Scene {
 /// Its solution is uniform: radiosity `B = E / (1 - ρ)`, irradiance `H = B`, for any way of subdividing it.
 pub fn furnace_with(reflectance: f32, exitance: f32) -> Scene {
     let mut builder = SceneBuilder::new("furnace", Units::Radiometric);
-    let wall = Material::diffuse("wall", Rgb::splat(reflectance)).with_emission(Rgb::splat(exitance / PI));
+    let wall =
+        Material::diffuse("wall", Rgb::splat(reflectance)).with_emission(Rgb::splat(exitance / PI));
     let wall = builder.material(wall);
     builder.node("box");
     builder.room(wall, Vec3::splat(-1.0), Vec3::ONE, Sides::ALL);
     let eye = Vec3::new(-0.8, 0.6, 0.8);
-    builder.camera(Camera::looking_at("inside", eye, Vec3::ZERO, Vec3::Y, 70.0_f32.to_radians()));
+    builder.camera(Camera::looking_at(
+        "inside",
+        eye,
+        Vec3::ZERO,
+        Vec3::Y,
+        70.0_f32.to_radians(),
+    ));
     builder.finish()
 }

@@ -61,7 +61,10 @@ const SCENES: &[BuiltinScene] = &[
 
 /// The built-in scene of a name, made anew; `None` if there is none of that name.
 pub fn scene(name: &str) -> Option<Scene> {
-    SCENES.iter().find(|scene| scene.name == name).map(|scene| (scene.make)())
+    SCENES
+        .iter()
+        .find(|scene| scene.name == name)
+        .map(|scene| (scene.make)())
 }
 
 /// All built-in scenes.

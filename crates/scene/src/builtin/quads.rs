@@ -27,13 +27,19 @@ struct Quad {
 /// share a material. `material_name` names the material of the first of them, given quad and reflectance.
 pub(super) fn scene(json: &str, material_name: impl Fn(&str, Rgb) -> String) -> Scene {
     let file: QuadFile = serde_json::from_str(json).expect("the built-in file is valid");
-    let mut scene = Scene { name: file.name, units: Units::Radiometric, ..Scene::default() };
+    let mut scene = Scene {
+        name: file.name,
+        units: Units::Radiometric,
+        ..Scene::default()
+    };
     for quad in file.quads {
         let (reflectance, emission) = (Rgb::from(quad.reflectance), Rgb::from(quad.emission));
         let same = |m: &Material| m.base_color == reflectance && m.emission == emission;
         let material = scene.materials.iter().position(same).unwrap_or_else(|| {
             let name = material_name(&quad.name, reflectance);
-            scene.materials.push(Material::diffuse(name, reflectance).with_emission(emission));
+            scene
+                .materials
+                .push(Material::diffuse(name, reflectance).with_emission(emission));
             scene.materials.len() - 1
         });
         let positions = quad.vertices.map(Vec3::from_array);

@@ -23,12 +23,33 @@ pub(super) fn scene() -> Scene {
         })
     });
     let views = [
-        ("room-a", Vec3::new(0.4, 1.6, 0.4), Vec3::new(5.0, 1.1, 3.0), 65.0_f32),
-        ("room-b", Vec3::new(5.6, 1.6, 0.5), Vec3::new(7.3, 1.3, 5.6), 60.0),
-        ("doorway", Vec3::new(7.8, 1.6, 4.4), Vec3::new(3.6, 1.0, 2.2), 60.0),
+        (
+            "room-a",
+            Vec3::new(0.4, 1.6, 0.4),
+            Vec3::new(5.0, 1.1, 3.0),
+            65.0_f32,
+        ),
+        (
+            "room-b",
+            Vec3::new(5.6, 1.6, 0.5),
+            Vec3::new(7.3, 1.3, 5.6),
+            60.0,
+        ),
+        (
+            "doorway",
+            Vec3::new(7.8, 1.6, 4.4),
+            Vec3::new(3.6, 1.0, 2.2),
+            60.0,
+        ),
     ];
     for (name, eye, target, fov) in views {
-        scene.cameras.push(Camera::looking_at(name, eye, target, Vec3::Y, fov.to_radians()));
+        scene.cameras.push(Camera::looking_at(
+            name,
+            eye,
+            target,
+            Vec3::Y,
+            fov.to_radians(),
+        ));
     }
     scene
 }

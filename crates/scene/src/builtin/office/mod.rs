@@ -36,13 +36,39 @@ pub(super) fn scene() -> Scene {
     objects::draw(&mut builder, &palette);
     plants::draw(&mut builder, &palette);
     let views = [
-        ("entrance", Vec3::new(5.62, 1.6, 3.75), Vec3::new(1.9, 0.92, 1.3), 58.0_f32),
-        ("desk", Vec3::new(2.95, 1.4, 2.3), Vec3::new(1.25, 0.93, 0.35), 52.0),
-        ("window", Vec3::new(0.55, 1.5, 3.35), Vec3::new(5.2, 0.95, 1.2), 56.0),
-        ("corner", Vec3::new(5.45, 1.65, 0.88), Vec3::new(1.8, 0.78, 3.15), 60.0),
+        (
+            "entrance",
+            Vec3::new(5.62, 1.6, 3.75),
+            Vec3::new(1.9, 0.92, 1.3),
+            58.0_f32,
+        ),
+        (
+            "desk",
+            Vec3::new(2.95, 1.4, 2.3),
+            Vec3::new(1.25, 0.93, 0.35),
+            52.0,
+        ),
+        (
+            "window",
+            Vec3::new(0.55, 1.5, 3.35),
+            Vec3::new(5.2, 0.95, 1.2),
+            56.0,
+        ),
+        (
+            "corner",
+            Vec3::new(5.45, 1.65, 0.88),
+            Vec3::new(1.8, 0.78, 3.15),
+            60.0,
+        ),
     ];
     for (name, eye, target, fov) in views {
-        builder.camera(Camera::looking_at(name, eye, target, Vec3::Y, fov.to_radians()));
+        builder.camera(Camera::looking_at(
+            name,
+            eye,
+            target,
+            Vec3::Y,
+            fov.to_radians(),
+        ));
     }
     builder.finish()
 }

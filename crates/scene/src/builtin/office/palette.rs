@@ -52,7 +52,11 @@ impl Palette {
         let planks = b.texture("planks", Wrap::Repeat, paint::planks());
         let oak = paint::wood(Rgb::new(0.52, 0.35, 0.20), Rgb::new(0.36, 0.215, 0.11), 200);
         let oak = b.texture("oak", Wrap::Repeat, oak);
-        let walnut = paint::wood(Rgb::new(0.235, 0.125, 0.068), Rgb::new(0.115, 0.056, 0.031), 300);
+        let walnut = paint::wood(
+            Rgb::new(0.235, 0.125, 0.068),
+            Rgb::new(0.115, 0.056, 0.031),
+            300,
+        );
         let walnut = b.texture("walnut", Wrap::Repeat, walnut);
         let plaster = b.texture("plaster", Wrap::Repeat, paint::plaster());
         let cloth = b.texture("cloth", Wrap::Repeat, paint::cloth());
@@ -96,7 +100,7 @@ impl Palette {
             arches: b.textured("arches", arches, unit),
             fields: b.textured("fields", fields, unit),
             books: books(b, spine),
-            daylight: pictured_light(b, "daylight", outdoors, Rgb::new(1750.0, 2050.0, 2450.0)),
+            daylight: pictured_light(b, "daylight", outdoors, Rgb::new(1300.0, 1540.0, 1880.0)),
             panel: light(b, "panel", Rgb::new(3700.0, 3400.0, 2950.0)),
             cove: light(b, "cove", Rgb::new(6400.0, 4400.0, 2400.0)),
             globe: light(b, "globe", Rgb::new(3300.0, 2350.0, 1350.0)),
@@ -110,12 +114,21 @@ impl Palette {
 /// A texture in shades of white, tinted.
 fn tinted(b: &mut SceneBuilder, name: &str, texture: usize, tile: Vec2, tint: Rgb) -> usize {
     let transform = Affine2::from_scale(tile.recip());
-    let slot = TextureSlot { transform, ..TextureSlot::new(texture) };
-    b.material(Material { base_color_texture: Some(slot), ..Material::diffuse(name, tint) })
+    let slot = TextureSlot {
+        transform,
+        ..TextureSlot::new(texture)
+    };
+    b.material(Material {
+        base_color_texture: Some(slot),
+        ..Material::diffuse(name, tint)
+    })
 }
 
 fn double_sided(b: &mut SceneBuilder, name: &str, reflectance: Rgb) -> usize {
-    b.material(Material { double_sided: true, ..Material::diffuse(name, reflectance) })
+    b.material(Material {
+        double_sided: true,
+        ..Material::diffuse(name, reflectance)
+    })
 }
 
 /// Something white that glows.
@@ -126,7 +139,10 @@ fn light(b: &mut SceneBuilder, name: &str, luminance: Rgb) -> usize {
 /// Something dark that shows a picture.
 fn pictured_light(b: &mut SceneBuilder, name: &str, picture: usize, white: Rgb) -> usize {
     let material = Material::diffuse(name, Rgb::splat(0.05)).with_emission(white);
-    b.material(Material { emission_texture: Some(TextureSlot::new(picture)), ..material })
+    b.material(Material {
+        emission_texture: Some(TextureSlot::new(picture)),
+        ..material
+    })
 }
 
 /// Cloth and cardboard covers.
@@ -142,5 +158,8 @@ fn books(b: &mut SceneBuilder, spine: usize) -> Vec<usize> {
         ("sky", Rgb::new(0.24, 0.40, 0.50)),
         ("white", Rgb::new(0.74, 0.73, 0.70)),
     ];
-    covers.iter().map(|(name, cover)| tinted(b, &format!("book-{name}"), spine, Vec2::ONE, *cover)).collect()
+    covers
+        .iter()
+        .map(|(name, cover)| tinted(b, &format!("book-{name}"), spine, Vec2::ONE, *cover))
+        .collect()
 }

@@ -1,0 +1,190 @@
+//! The command line.
+
+mod parse;
+mod picture;
+mod scene;
+mod solve;
+
+pub use picture::PictureArgs;
+pub use scene::SceneArgs;
+pub use solve::SolveArgs;
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+const LONG_ABOUT: &str = "\
+Computes how light spreads through a scene (radiosity), in physical units.
+
+`solve` turns a scene into a lit .glb: it looks lit in any glTF viewer and holds the whole solution, from which `render` \
+draws pictures and `measure` reads irradiance and lux, at once and as often as you like. A scene is a .glb, .gltf or .obj \
+file or a built-in one. If a picture stays black, `info` says why.";
+
+const EXAMPLES: &str = "\
+Examples:
+  hemicube solve cornell -o lit.glb --image cornell.png
+  hemicube render lit.glb -o view.png --eye 2,1.6,3 --look-at 0,1,0
+  hemicube measure lit.glb --points desk.csv -o lux.csv
+
+Exit codes: 0 done; 1 could not be done (one line says why); 2 wrong usage; 130 ended by Ctrl-C, nothing written.
+`hemicube VERB --help` explains each verb.";
+
+/// Radiosity: a scene goes in, light you can trust comes out
+#[derive(Debug, Parser)]
+#[command(name = "hemicube", version, long_about = LONG_ABOUT, after_help = EXAMPLES, arg_required_else_help = true)]
+#[command(disable_help_subcommand = true, max_term_width = 110)]
+pub struct Cli {
+    #[command(flatten)]
+    pub global: GlobalArgs,
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+/// Options of all verbs.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "General")]
+pub struct GlobalArgs {
+    /// Print one JSON object on standard output and nothing else
+    #[arg(long, global = true, display_order = 900)]
+    pub json: bool,
+    /// No progress bar, no notes; errors are still printed
+    #[arg(long, short, global = true, display_order = 901)]
+    pub quiet: bool,
+    /// Threads to compute with; the result does not depend on it [default: all]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), display_order = 902)]
+    pub threads: Option<u16>,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Compute the light in a scene; write a lit .glb, a picture, or both
+    Solve(SolveVerb),
+    /// Read irradiance and illuminance at points
+    Measure(MeasureVerb),
+    /// Draw a picture of a scene or of a lit .glb
+    Render(RenderVerb),
+    /// List the built-in scenes
+    #[command(after_help = "Example:\n  hemicube scenes")]
+    Scenes,
+    /// Say what is in a scene, and why it would stay black or leak light
+    Info(InfoVerb),
+    /// Print a script that completes this program's options in a shell
+    Completions(CompletionsVerb),
+}
+
+const SOLVE_HELP: &str = "\
+Examples:
+  hemicube solve cornell -o lit.glb --image cornell.png
+  hemicube solve room.glb -o lit.glb --emit 'lamp*=3000' --quality final --time 10m
+  hemicube solve --resume lit.glb -o better.glb --tolerance 1e-4
+
+Ctrl-C stops and writes what has been reached (exit code 0, or 130 if there is no file to write); a second Ctrl-C ends \
+at once.";
+
+/// Computes the light in a scene; writes a lit .glb, a picture, or both
+///
+/// Without -o and --image only the report is printed.
+#[derive(Debug, Args)]
+#[command(after_help = SOLVE_HELP)]
+pub struct SolveVerb {
+    /// Scene file (.glb, .gltf, .obj) or name of a built-in scene; may be left out with --resume
+    #[arg(value_name = "SCENE", required_unless_present = "resume")]
+    pub scene: Option<PathBuf>,
+    /// Lit .glb to write: looks lit in any viewer and holds the whole solution
+    #[arg(short, long, value_name = "FILE.glb")]
+    pub output: Option<PathBuf>,
+    /// Picture to write: .png for the eye, .exr for radiance in physical units
+    #[arg(long, value_name = "FILE.png|.exr")]
+    pub image: Option<PathBuf>,
+    /// Go on with the solution in a lit .glb instead of starting afresh; mesh and scene are those of the file
+    #[arg(long, value_name = "LIT.glb")]
+    pub resume: Option<PathBuf>,
+    #[command(flatten)]
+    pub solve: SolveArgs,
+    #[command(flatten)]
+    pub scene_options: SceneArgs,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+}
+
+const MEASURE_HELP: &str = "\
+Example:
+  hemicube measure lit.glb --points desk.csv -o lux.csv
+
+The points are a CSV file: columns x,y,z,nx,ny,nz in any order (or six numbers a line without a header), separated by \
+comma or semicolon, in metres of the solved scene, +Y up; the normal points to the side that is measured. Further \
+columns are passed through. Added are irradiance_r,irradiance_g,irradiance_b (lx or W/m²) and illuminance (lx).";
+
+/// Reads irradiance and illuminance at points
+///
+/// A scene that is not solved yet is solved first.
+#[derive(Debug, Args)]
+#[command(after_help = MEASURE_HELP)]
+pub struct MeasureVerb {
+    /// Lit .glb, scene file or name of a built-in scene
+    #[arg(value_name = "SCENE|LIT.glb")]
+    pub scene: PathBuf,
+    /// CSV file of points and normals; - reads standard input
+    #[arg(long, value_name = "IN.csv")]
+    pub points: PathBuf,
+    /// CSV file to write [default: standard output]
+    #[arg(short, long, value_name = "OUT.csv")]
+    pub output: Option<PathBuf>,
+    /// Rays over the hemisphere of each point [default: 2048]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub gather_rays: Option<u32>,
+    #[command(flatten)]
+    pub solve: SolveArgs,
+    #[command(flatten)]
+    pub scene_options: SceneArgs,
+}
+
+const RENDER_HELP: &str = "\
+Examples:
+  hemicube render lit.glb -o view.png
+  hemicube render office -o desk.png --camera desk --shading gather --size 480x320
+  hemicube render lit.glb -o view.exr --eye 2,1.6,3 --look-at 0,1,0 --fov 70";
+
+/// Draws a picture of a scene or of a lit .glb
+///
+/// A scene that is not solved yet is solved first.
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_HELP)]
+pub struct RenderVerb {
+    /// Lit .glb, scene file or name of a built-in scene
+    #[arg(value_name = "SCENE|LIT.glb")]
+    pub scene: PathBuf,
+    /// Picture to write: .png for the eye, .exr for radiance in physical units
+    #[arg(short, long, value_name = "FILE.png|.exr")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub solve: SolveArgs,
+    #[command(flatten)]
+    pub scene_options: SceneArgs,
+}
+
+/// Says what is in a scene, and why it would stay black or leak light
+///
+/// Works on a lit .glb too and then tells how its solution was obtained.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  hemicube info office\n  hemicube info house.obj --unit cm --up z"
+)]
+pub struct InfoVerb {
+    /// Scene file, lit .glb or name of a built-in scene
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub scene_options: SceneArgs,
+}
+
+/// Prints a script that completes this program's options in a shell
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  hemicube completions bash > ~/.local/share/bash-completion/completions/hemicube"
+)]
+pub struct CompletionsVerb {
+    /// Which shell
+    pub shell: clap_complete::Shell,
+}

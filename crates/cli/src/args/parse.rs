@@ -1,0 +1,98 @@
+//! Values of options.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use glam::Vec3;
+use std::time::Duration;
+
+/// One of a few values, by name; help lists the names and errors propose one.
+pub fn choice<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(all.iter().map(move |&value| name(value))).map(move |chosen| {
+        let found = all.iter().find(|&&value| name(value) == chosen);
+        *found.expect("clap lets only the listed names pass")
+    })
+}
+
+/// `X,Y,Z`
+pub fn point(text: &str) -> Result<Vec3, String> {
+    let wanted = || format!("'{text}' is not X,Y,Z, three finite numbers");
+    let numbers: Vec<f32> = text
+        .split(',')
+        .filter_map(|n| n.trim().parse().ok())
+        .filter(|n: &f32| n.is_finite())
+        .collect();
+    match (numbers.as_slice(), text.split(',').count()) {
+        (&[x, y, z], 3) => Ok(Vec3::new(x, y, z)),
+        _ => Err(wanted()),
+    }
+}
+
+/// `WxH` in pixels
+pub fn size(text: &str) -> Result<(u32, u32), String> {
+    let side = |text: &str| {
+        text.trim()
+            .parse::<u32>()
+            .ok()
+            .filter(|n| (1..=16_384).contains(n))
+    };
+    text.split_once(['x', 'X', '×'])
+        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
+        .ok_or_else(|| {
+            format!("'{text}' is not WxH in pixels, each from 1 to 16384, as in 960x640")
+        })
+}
+
+/// `30s`, `2m`, `1.5h` or seconds without a unit
+pub fn duration(text: &str) -> Result<Duration, String> {
+    let wanted = || format!("'{text}' is not a time; use 30s, 2m or 1.5h");
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match &text[digits.len()..] {
+        "" | "s" => 1.0,
+        "ms" => 1e-3,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(wanted()),
+    };
+    let number: f64 = digits.trim().parse().map_err(|_| wanted())?;
+    Duration::try_from_secs_f64(number * unit)
+        .ok()
+        .filter(|time| *time > Duration::ZERO)
+        .ok_or_else(wanted)
+}
+
+/// A length above 0
+pub fn length(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|x: &f32| x.is_finite() && *x > 0.0)
+        .ok_or_else(|| format!("'{text}' is not a length above 0"))
+}
+
+/// An angle of view in degrees
+pub fn angle(text: &str) -> Result<f32, String> {
+    let inside = |x: &f32| *x >= 1.0 && *x <= 170.0;
+    text.parse()
+        .ok()
+        .filter(inside)
+        .ok_or_else(|| format!("'{text}' is not an angle of view from 1 to 170 degrees"))
+}
+
+/// A share of the emitted light
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    let inside = |x: &f64| *x >= 0.0 && *x < 1.0;
+    text.parse()
+        .ok()
+        .filter(inside)
+        .ok_or_else(|| format!("'{text}' is not a number from 0 to below 1"))
+}
+
+/// A bound of the reflectance
+pub fn bound(text: &str) -> Result<f32, String> {
+    let inside = |x: &f32| *x > 0.0 && *x <= 1.0;
+    text.parse()
+        .ok()
+        .filter(inside)
+        .ok_or_else(|| format!("'{text}' is not a number above 0 and at most 1"))
+}

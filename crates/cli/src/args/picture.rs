@@ -1,0 +1,72 @@
+//! Options of pictures.
+
+use super::parse;
+use clap::Args;
+use glam::Vec3;
+use hemicube::raster::tonemap::{Exposure, ToneMap};
+use hemicube::render::Shading;
+
+/// Options of pictures.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Picture")]
+pub struct PictureArgs {
+    /// Camera of the scene [default: its first one, else one that sees most of the scene]
+    #[arg(long, value_name = "NAME", conflicts_with = "eye")]
+    pub camera: Option<String>,
+    /// Where the eye is, in scene units (metres)
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true)]
+    pub eye: Option<Vec3>,
+    /// Point in the middle of the picture [default: the middle of the scene]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true, requires = "eye")]
+    pub look_at: Option<Vec3>,
+    /// Vertical angle of view in degrees [default: the camera's, 60 with --eye]
+    #[arg(long, value_name = "DEG", value_parser = parse::angle)]
+    pub fov: Option<f32>,
+    /// Pixels [default: 960x640, or of the same area in the camera's proportions]
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    pub size: Option<(u32, u32)>,
+    /// Stops brighter or darker (0: radiance 1 is display white), or auto [default: auto]
+    #[arg(long, value_name = "EV|auto", allow_hyphen_values = true)]
+    pub exposure: Option<Exposure>,
+    /// Tone curve [default: reinhard]
+    #[arg(long, value_parser = parse::choice(&ToneMap::ALL, ToneMap::name))]
+    pub tonemap: Option<ToneMap>,
+    /// One colour an element, smooth, or light gathered at each pixel (slow, sharp shadows) [default: gouraud]
+    #[arg(long, value_parser = parse::choice(&Shading::ALL, Shading::name))]
+    pub shading: Option<Shading>,
+    /// Samples along each side of a pixel: 1 to 16
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub antialias: Option<u32>,
+    /// Rays over the hemisphere of each sample of --shading gather
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub gather_rays: Option<u32>,
+}
+
+impl PictureArgs {
+    /// Names of the options that were given and concern the view, not how light becomes colour.
+    pub fn view_given(&self) -> Vec<&'static str> {
+        let all = [
+            (self.camera.is_some(), "--camera"),
+            (self.eye.is_some(), "--eye"),
+            (self.fov.is_some(), "--fov"),
+            (self.size.is_some(), "--size"),
+            (self.shading.is_some(), "--shading"),
+            (self.antialias.is_some(), "--antialias"),
+            (self.gather_rays.is_some(), "--gather-rays"),
+        ];
+        all.into_iter()
+            .filter_map(|(given, name)| given.then_some(name))
+            .collect()
+    }
+
+    /// Names of the options that were given and concern how light becomes colour.
+    pub fn tones_given(&self) -> Vec<&'static str> {
+        let all = [
+            (self.exposure.is_some(), "--exposure"),
+            (self.tonemap.is_some(), "--tonemap"),
+        ];
+        all.into_iter()
+            .filter_map(|(given, name)| given.then_some(name))
+            .collect()
+    }
+}

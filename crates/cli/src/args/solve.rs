@@ -1,0 +1,133 @@
+//! Options of the mesh and the solver.
+
+use super::parse;
+use clap::Args;
+use hemicube::radiosity::solution::Provenance;
+use hemicube::radiosity::{Quality, SolveOptions, SolverKind};
+use std::time::Duration;
+
+/// Options of the mesh and the solver; each given one overrides the preset of `--quality`.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Solving")]
+pub struct SolveArgs {
+    /// Preset of mesh, rays and tolerance: about 1000, 4000 or 30,000 elements [default: normal]
+    #[arg(long, value_parser = parse::choice(&Quality::ALL, Quality::name))]
+    pub quality: Option<Quality>,
+    /// Longest edge of the elements that receive light, in scene units (metres)
+    #[arg(long, value_name = "M", value_parser = parse::length)]
+    pub element_size: Option<f32>,
+    /// Elements to aim at instead of a size [default: 4000]
+    #[arg(long, value_name = "N", conflicts_with = "element_size", value_parser = clap::value_parser!(u32).range(1..))]
+    pub elements: Option<u32>,
+    /// Longest edge of the patches that shoot light, in scene units (metres)
+    #[arg(long, value_name = "M", value_parser = parse::length)]
+    pub patch_size: Option<f32>,
+    /// Patches to aim at instead of a size [default: 400]
+    #[arg(long, value_name = "N", conflicts_with = "patch_size", value_parser = clap::value_parser!(u32).range(1..))]
+    pub patches: Option<u32>,
+    /// Way to the form factors [default: raycast]
+    #[arg(long, value_name = "METHOD", value_parser = ["raycast"])]
+    pub form_factors: Option<String>,
+    /// Rays over each hemisphere [default: 256]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub rays: Option<u32>,
+    /// Way to the equilibrium; ambient-shooting brightens pictures of unfinished solutions [default: ambient-shooting]
+    #[arg(long, value_parser = parse::choice(&SolverKind::ALL, SolverKind::name))]
+    pub solver: Option<SolverKind>,
+    /// Finished when this share of the emitted light has not been shot yet [default: 5e-4]
+    #[arg(long, value_name = "T", value_parser = parse::tolerance)]
+    pub tolerance: Option<f64>,
+    /// At most so many steps (shots) [default: no limit]
+    #[arg(long, value_name = "N")]
+    pub iterations: Option<u64>,
+    /// Stop after this time since the program's start: 30s, 2m, 1h [default: no limit]
+    #[arg(long, value_name = "TIME", value_parser = parse::duration)]
+    pub time: Option<Duration>,
+    /// Seed of all sampling [default: 0]
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+}
+
+impl SolveArgs {
+    /// Options for a scene that is solved afresh.
+    pub fn options(&self) -> SolveOptions {
+        let mut options = SolveOptions::from(self.quality.unwrap_or_default());
+        let mesh = &mut options.mesh;
+        let preset = mesh.elements.take().unwrap_or(0);
+        if self.patch_size.is_some() {
+            mesh.patches = None;
+        } else if let Some(count) = self.patches {
+            mesh.patches = Some(count as usize);
+        }
+        mesh.patch_size = self.patch_size;
+        mesh.element_size = self.element_size;
+        // Elements are at least as fine as patches: finer patches than the preset's bring their own elements, a third
+        // of their size.
+        let keeps_preset = match (self.patch_size, self.patches) {
+            (Some(_), _) => false,
+            (None, Some(count)) => count as usize * 9 <= preset,
+            (None, None) => true,
+        };
+        mesh.elements = match self.elements {
+            Some(count) => Some(count as usize),
+            None => (self.element_size.is_none() && keeps_preset).then_some(preset),
+        };
+        self.override_work(&mut options);
+        options
+    }
+
+    /// Options for going on with a solution: what is not given is as before.
+    pub fn options_to_resume(&self, before: &Provenance) -> SolveOptions {
+        let mut options = SolveOptions::from(self.quality.unwrap_or_default());
+        if self.quality.is_none() && before.rays_per_hemisphere > 0 {
+            options.rays = before.rays_per_hemisphere;
+        }
+        options.seed = before.seed;
+        let known = SolverKind::ALL
+            .into_iter()
+            .find(|kind| kind.name() == before.solver);
+        options.solver = known.unwrap_or_default();
+        self.override_work(&mut options);
+        options
+    }
+
+    fn override_work(&self, options: &mut SolveOptions) {
+        options.rays = self.rays.unwrap_or(options.rays);
+        options.seed = self.seed.unwrap_or(options.seed);
+        options.tolerance = self.tolerance.unwrap_or(options.tolerance);
+        options.solver = self.solver.unwrap_or(options.solver);
+        options.max_steps = self.iterations;
+    }
+
+    /// Names of the mesh's options that were given.
+    pub fn mesh_given(&self) -> Vec<&'static str> {
+        names([
+            (self.element_size.is_some(), "--element-size"),
+            (self.elements.is_some(), "--elements"),
+            (self.patch_size.is_some(), "--patch-size"),
+            (self.patches.is_some(), "--patches"),
+        ])
+    }
+
+    /// Names of the options that were given and that a finished solution does not follow any more; the seed goes on
+    /// to be used for gathering.
+    pub fn given(&self) -> Vec<&'static str> {
+        let mut all = self.mesh_given();
+        all.extend(names([
+            (self.quality.is_some(), "--quality"),
+            (self.form_factors.is_some(), "--form-factors"),
+            (self.rays.is_some(), "--rays"),
+            (self.solver.is_some(), "--solver"),
+            (self.tolerance.is_some(), "--tolerance"),
+            (self.iterations.is_some(), "--iterations"),
+            (self.time.is_some(), "--time"),
+        ]));
+        all
+    }
+}
+
+fn names<const N: usize>(all: [(bool, &'static str); N]) -> Vec<&'static str> {
+    all.into_iter()
+        .filter_map(|(given, name)| given.then_some(name))
+        .collect()
+}

@@ -1,0 +1,169 @@
+//! Writing: files whole or not at all, and text to standard output.
+
+use crate::failure::Failure;
+use std::fs;
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// The temporary file that is being written, so that Ctrl-C can remove it.
+static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
+
+/// Removes what a write that is under way has made so far.
+pub fn remove_unfinished() {
+    if let Some(path) = UNFINISHED
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .take()
+    {
+        // Nothing can be done about a file that stays; the program is about to end.
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// Prints to standard output; a reader that has gone away is no error.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::Failed(format!("standard output: {e}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a JSON document to standard output.
+pub fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
+    print(&format!("{value:#}\n"))
+}
+
+/// A file to be written, checked before the work begins.
+#[derive(Debug, Clone)]
+pub struct Target {
+    /// As the user named it.
+    pub path: PathBuf,
+    /// Where it really goes: links are followed.
+    real: PathBuf,
+}
+
+impl Target {
+    /// Checks that a file can be written there, without touching it.
+    ///
+    /// `endings` are those that the caller can write; empty if any will do.
+    pub fn check(path: &Path, endings: &[&str]) -> Result<Self, Failure> {
+        let shown = path.display();
+        let ending = path
+            .extension()
+            .map(|e| e.to_string_lossy().to_lowercase())
+            .unwrap_or_default();
+        if !endings.is_empty() && !endings.contains(&ending.as_str()) {
+            let wanted: Vec<String> = endings.iter().map(|e| format!(".{e}")).collect();
+            let is = if ending.is_empty() {
+                String::from("has no ending")
+            } else {
+                format!("ends in .{ending}")
+            };
+            return Err(Failure::Usage(format!(
+                "{shown}: its name {is}; use {}",
+                wanted.join(" or ")
+            )));
+        }
+        let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        let failed = |why: String| Err(Failure::Failed(format!("{shown}: {why}")));
+        let target = Self {
+            path: path.to_path_buf(),
+            real,
+        };
+        match fs::metadata(&target.real) {
+            Ok(facts) if facts.is_dir() => {
+                return failed(String::from("is a folder; name a file in it"));
+            }
+            Ok(facts) if facts.permissions().readonly() => {
+                return failed(String::from(
+                    "is read-only; make it writable or choose another name",
+                ));
+            }
+            Ok(facts) if !facts.is_file() => return Ok(target),
+            _ => {}
+        }
+        if path.file_name().is_none() {
+            return failed(String::from("is not the name of a file"));
+        }
+        let folder = target.folder();
+        match fs::metadata(folder) {
+            Ok(facts) if !facts.is_dir() => {
+                return failed(format!("{} is not a folder", folder.display()));
+            }
+            Err(e) if e.kind() == ErrorKind::NotFound => {
+                return failed(format!(
+                    "the folder {} does not exist; make it first",
+                    folder.display()
+                ));
+            }
+            Err(e) => return failed(e.to_string()),
+            Ok(_) => {}
+        }
+        match tempfile::tempfile_in(folder) {
+            Ok(_) => Ok(target),
+            Err(e) => failed(format!(
+                "the folder {} cannot be written to ({e})",
+                folder.display()
+            )),
+        }
+    }
+
+    fn folder(&self) -> &Path {
+        match self.real.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        }
+    }
+
+    /// Whether the name's ending is this one, in lower or upper case.
+    pub fn ends_in(&self, ending: &str) -> bool {
+        self.path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(ending))
+    }
+
+    /// Whether both are the same file.
+    pub fn is_same_as(&self, other: &Path) -> bool {
+        match (fs::canonicalize(&self.path), fs::canonicalize(other)) {
+            (Ok(a), Ok(b)) => a == b,
+            _ => self.real == other,
+        }
+    }
+
+    /// Writes the file whole or not at all.
+    pub fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
+        self.write_or_error(bytes)
+            .map_err(|e| Failure::Failed(format!("{}: {e}", self.path.display())))
+    }
+
+    fn write_or_error(&self, bytes: &[u8]) -> io::Result<()> {
+        let facts = fs::metadata(&self.real);
+        if facts.as_ref().is_ok_and(|facts| !facts.is_file()) {
+            // A device or a pipe cannot be renamed onto.
+            return fs::write(&self.real, bytes);
+        }
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".hemicube-");
+        #[cfg(unix)]
+        {
+            // Like any new file, not private as temporary files are; the system takes the umask off.
+            use std::os::unix::fs::PermissionsExt as _;
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        let mut file = builder.tempfile_in(self.folder())?;
+        let unfinished = |path| *UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner) = path;
+        unfinished(Some(file.path().to_path_buf()));
+        file.write_all(bytes)?;
+        if let Ok(facts) = facts {
+            file.as_file().set_permissions(facts.permissions())?;
+        }
+        file.as_file().sync_all()?;
+        file.persist(&self.real).map_err(|e| e.error)?;
+        unfinished(None);
+        Ok(())
+    }
+}

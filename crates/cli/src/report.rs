@@ -1,0 +1,267 @@
+//! What the program tells about a solution.
+
+use crate::solving::{Solved, Stop, percent};
+use hemicube::radiosity::Solution;
+use hemicube::radiosity::solution::BANDS;
+use hemicube::scene::{ImportReport, Scene, Units};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::fs;
+
+/// Warnings that people get to read; `--json` has all of them.
+const SHOWN_WARNINGS: usize = 10;
+
+/// Everything about a solution that is not light on surfaces.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    program: &'static str,
+    scene: String,
+    units: &'static str,
+    flux_unit: &'static str,
+    warnings: Warnings,
+    elements: usize,
+    patches: usize,
+    solver: String,
+    form_factors: String,
+    rays_per_hemisphere: u32,
+    seed: u64,
+    tolerance: f64,
+    stopped: Stop,
+    steps: u64,
+    rays: u64,
+    seconds: f64,
+    unshot_fraction: f64,
+    balance: Vec<Balance>,
+}
+
+/// Energy of one band, in lm or W (of scene units).
+#[derive(Debug, Clone, Serialize)]
+struct Balance {
+    band: &'static str,
+    emitted: f64,
+    absorbed: f64,
+    unshot: f64,
+    escaped: f64,
+    relative_error: f64,
+}
+
+/// Warnings of the import and of the mesh.
+#[derive(Debug, Clone, Serialize)]
+#[serde(transparent)]
+pub struct Warnings {
+    lines: Vec<String>,
+    /// Warnings that nobody kept.
+    #[serde(skip)]
+    unlisted: usize,
+}
+
+impl Warnings {
+    /// Those of a scene.
+    pub fn of_scene(scene: &Scene) -> Self {
+        Self {
+            lines: scene
+                .report
+                .warnings
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
+            unlisted: scene.report.unlisted,
+        }
+    }
+
+    /// Those of a solution's scene and mesh.
+    pub fn of_solution(solution: &Solution) -> Self {
+        let mut warnings = Self::of_scene(solution.mesh().scene());
+        warnings.extend(solution.mesh().report());
+        warnings
+    }
+
+    /// With those of another report.
+    pub fn extend(&mut self, report: &ImportReport) {
+        self.lines
+            .extend(report.warnings.iter().map(ToString::to_string));
+        self.unlisted += report.unlisted;
+    }
+
+    /// The first of them, one a line, and how many there are beyond.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        for line in self.lines.iter().take(SHOWN_WARNINGS) {
+            let _ = writeln!(text, "warning: {}", crate::failure::one_line(line));
+        }
+        let more = self.lines.len().saturating_sub(SHOWN_WARNINGS) + self.unlisted;
+        if more > 0 {
+            let _ = writeln!(text, "warning: and {more} more; --json lists them");
+        }
+        text
+    }
+}
+
+impl Report {
+    /// The report on a solution.
+    pub fn new(solved: &Solved) -> Self {
+        let solution = &solved.solution;
+        let (mesh, provenance) = (solution.mesh(), &solution.provenance);
+        let balance = |band: usize| {
+            let (total, unshot) = (solution.total_balance(band), solution.unshot_flux(band));
+            Balance {
+                band: ["red", "green", "blue"][band],
+                emitted: total.emitted,
+                absorbed: total.absorbed,
+                unshot,
+                escaped: total.escaped,
+                relative_error: total.relative_error(unshot),
+            }
+        };
+        Self {
+            program: concat!("hemicube ", env!("CARGO_PKG_VERSION")),
+            scene: mesh.scene().name.clone(),
+            units: mesh.scene().units.name(),
+            flux_unit: flux_unit(mesh.scene().units),
+            warnings: Warnings::of_solution(solution),
+            elements: mesh.elements().len(),
+            patches: mesh.patches().len(),
+            solver: provenance.solver.clone(),
+            form_factors: provenance.form_factors.clone(),
+            rays_per_hemisphere: provenance.rays_per_hemisphere,
+            seed: provenance.seed,
+            tolerance: solved.options.tolerance,
+            stopped: solved.stop,
+            steps: provenance.steps,
+            rays: provenance.rays,
+            seconds: provenance.seconds,
+            unshot_fraction: solution.unshot_fraction(),
+            balance: (0..BANDS).map(balance).collect(),
+        }
+    }
+
+    /// As JSON: what a lit .glb keeps.
+    pub fn to_json(&self) -> serde_json::Value {
+        serde_json::to_value(self).expect("a report is plain numbers and text")
+    }
+
+    /// As a few lines for people.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        let end = match self.stopped {
+            Stop::Finished => "finished",
+            Stop::Iterations => "stopped by --iterations",
+            Stop::Time => "stopped by --time",
+            Stop::Interrupt => "stopped by Ctrl-C",
+        };
+        let _ = write!(
+            text,
+            "scene     {} ({})
+mesh      {} elements, {} patches
+solved    {}, {} with {} rays, seed {}: {} steps, {} rays, {:.1} s; {end}
+unshot    {} of the emitted light
+energy    {:>14} {:>13} {:>13} {:>13} {:>9}
+",
+            crate::failure::one_line(&self.scene),
+            self.units,
+            grouped(self.elements as u64),
+            grouped(self.patches as u64),
+            self.solver,
+            self.form_factors,
+            self.rays_per_hemisphere,
+            self.seed,
+            grouped(self.steps),
+            grouped(self.rays),
+            self.seconds,
+            percent(self.unshot_fraction),
+            format!("emitted {}", self.flux_unit),
+            "absorbed",
+            "unshot",
+            "escaped",
+            "error"
+        );
+        for band in &self.balance {
+            let _ = writeln!(
+                text,
+                "  {:<7} {:>14} {:>13} {:>13} {:>13} {:>9.1e}",
+                band.band,
+                flux(band.emitted),
+                flux(band.absorbed),
+                flux(band.unshot),
+                flux(band.escaped),
+                band.relative_error
+            );
+        }
+        if let Some(bytes) = peak_memory() {
+            let _ = writeln!(text, "memory    {} MB at most", bytes.div_ceil(1 << 20));
+        }
+        text + &self.warnings.text()
+    }
+}
+
+/// lm or W.
+pub fn flux_unit(units: Units) -> &'static str {
+    match units {
+        Units::Photometric => "lm",
+        Units::Radiometric => "W",
+    }
+}
+
+/// lx or W/m².
+pub fn irradiance_unit(units: Units) -> &'static str {
+    match units {
+        Units::Photometric => "lx",
+        Units::Radiometric => "W/m²",
+    }
+}
+
+/// A flux with five significant digits.
+fn flux(x: f64) -> String {
+    match x.abs() {
+        0.0 => String::from("0"),
+        a if (1e-3..1e7).contains(&a) => {
+            let decimals = [1e4, 1e3, 1e2, 1e1, 1.0, 0.1, 0.01]
+                .iter()
+                .take_while(|&&limit| a < limit)
+                .count();
+            format!("{x:.decimals$}")
+        }
+        _ => format!("{x:.4e}"),
+    }
+}
+
+/// A number with a comma before every third digit.
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Most memory that the program had at once, in bytes, where the system tells.
+pub fn peak_memory() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kilobytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_readable() {
+        assert_eq!(grouped(1_234_567), "1,234,567", "groups of three");
+        assert_eq!(grouped(999), "999", "one group");
+        assert_eq!(flux(1234.567_89), "1234.6", "five digits");
+        assert_eq!(flux(0.0), "0", "nothing");
+        assert_eq!(
+            percent(0.000_5),
+            "0.0500 %",
+            "small shares keep their digits"
+        );
+    }
+}

@@ -1,0 +1,147 @@
+//! Solving under a progress bar, a clock and Ctrl-C.
+
+use crate::args::SolveArgs;
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::progress::Bar;
+use hemicube::radiosity::{self, Progress, Solution, SolveOptions};
+use hemicube::scene::Scene;
+use serde::Serialize;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Why the solver stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stop {
+    /// What is unshot is within the tolerance.
+    Finished,
+    /// `--iterations`
+    Iterations,
+    /// `--time`
+    Time,
+    /// Ctrl-C
+    Interrupt,
+}
+
+/// A solution and how it ended.
+#[derive(Debug)]
+pub struct Solved {
+    /// The light.
+    pub solution: Solution,
+    /// What it was asked for.
+    pub options: SolveOptions,
+    /// Why the solver stopped.
+    pub stop: Stop,
+}
+
+/// When to stop, and what to show until then.
+#[derive(Debug)]
+pub struct Watch {
+    start: Instant,
+    limit: Option<Duration>,
+    quiet: bool,
+}
+
+impl Watch {
+    /// The clock of `--time` runs since the program's start.
+    pub fn new(args: &SolveArgs, quiet: bool, start: Instant) -> Self {
+        Self {
+            start,
+            limit: args.time,
+            quiet,
+        }
+    }
+
+    /// Solves a scene from nothing.
+    pub fn solve(&self, scene: Scene, options: SolveOptions) -> Result<Solved, Failure> {
+        self.work(0, options, |go_on| {
+            radiosity::solve(Arc::new(scene), &options, go_on)
+        })
+    }
+
+    /// Goes on with a solution.
+    pub fn resume(&self, solution: Solution, options: SolveOptions) -> Result<Solved, Failure> {
+        let steps = solution.provenance.steps;
+        self.work(steps, options, |go_on| {
+            radiosity::resume(solution, &options, go_on)
+        })
+    }
+
+    fn work(
+        &self,
+        steps_before: u64,
+        options: SolveOptions,
+        work: impl FnOnce(
+            &mut dyn FnMut(&Progress, &Solution) -> bool,
+        ) -> Result<Solution, radiosity::RadiosityError>,
+    ) -> Result<Solved, Failure> {
+        let bar = Bar::new("solving", self.quiet);
+        let mut stop = Stop::Finished;
+        let mut first = None;
+        let solution = work(&mut |progress, _| {
+            let elapsed = self.start.elapsed();
+            if interrupt::asked() {
+                stop = Stop::Interrupt;
+            } else if self.limit.is_some_and(|limit| elapsed >= limit) {
+                stop = Stop::Time;
+            }
+            let first = *first.get_or_insert(progress.unshot);
+            let steps = progress.iteration - steps_before;
+            bar.show(
+                self.share_done(first, progress.unshot, steps, elapsed, &options),
+                || {
+                    format!(
+                        "step {}, {} unshot",
+                        progress.iteration,
+                        percent(progress.unshot)
+                    )
+                },
+            );
+            stop == Stop::Finished
+        })?;
+        let steps = solution.provenance.steps - steps_before;
+        let limited = options.max_steps.is_some_and(|most| steps >= most);
+        if stop == Stop::Finished && limited && solution.unshot_fraction() > options.tolerance {
+            stop = Stop::Iterations;
+        }
+        Ok(Solved {
+            solution,
+            options,
+            stop,
+        })
+    }
+
+    /// Share of the work that is done: what is unshot falls exponentially, and the first limit ends the work.
+    fn share_done(
+        &self,
+        first: f64,
+        unshot: f64,
+        steps: u64,
+        elapsed: Duration,
+        options: &SolveOptions,
+    ) -> f64 {
+        let tolerance = options.tolerance.max(1e-6);
+        let of_light = (first / unshot).ln() / (first / tolerance).ln();
+        let of_steps = options
+            .max_steps
+            .map_or(0.0, |most| steps as f64 / most.max(1) as f64);
+        let of_time = self
+            .limit
+            .map_or(0.0, |limit| elapsed.as_secs_f64() / limit.as_secs_f64());
+        of_light.max(of_steps).max(of_time)
+    }
+}
+
+/// A share in percent with two significant digits.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent.abs() {
+        0.0 => String::from("0 %"),
+        x if x >= 10.0 => format!("{percent:.0} %"),
+        x if x >= 1.0 => format!("{percent:.1} %"),
+        x if x >= 0.1 => format!("{percent:.2} %"),
+        x if x >= 0.001 => format!("{percent:.4} %"),
+        _ => format!("{percent:.1e} %"),
+    }
+}

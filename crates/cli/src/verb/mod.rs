@@ -1,0 +1,72 @@
+//! What the program does, one file for each verb.
+
+pub mod completions;
+pub mod info;
+pub mod measure;
+pub mod render;
+pub mod scenes;
+pub mod solve;
+
+use crate::args::{GlobalArgs, SceneArgs, SolveArgs};
+use crate::failure::Failure;
+use crate::input::Input;
+use crate::solving::{Stop, Watch, percent};
+use hemicube::radiosity::Solution;
+use hemicube::scene::Scene;
+use std::path::Path;
+use std::time::Instant;
+
+/// Unshot share from which values are noticeably low.
+const UNFINISHED: f64 = 0.01;
+
+/// A remark on standard error.
+fn note(global: GlobalArgs, text: &str) {
+    if !global.quiet {
+        eprintln!("hemicube: note: {}", crate::failure::one_line(text));
+    }
+}
+
+/// The solution that a lit `.glb` holds, or that of a scene, solved now; `check` sees the scene before the work begins.
+fn solution_of(
+    path: &Path,
+    solve: &SolveArgs,
+    scene: &SceneArgs,
+    global: GlobalArgs,
+    start: Instant,
+    check: impl FnOnce(&Scene) -> Result<(), Failure>,
+) -> Result<Solution, Failure> {
+    let solution = match Input::open(path)? {
+        Input::Lit(solution) => {
+            let given: Vec<&str> = solve.given().into_iter().chain(scene.given()).collect();
+            if !given.is_empty() {
+                return Err(Failure::Usage(format!(
+                    "{} of {}: its light is solved already; give {} to `hemicube solve`, or leave them out",
+                    given.join(", "),
+                    path.display(),
+                    if given.len() == 1 { "it" } else { "them" }
+                )));
+            }
+            *solution
+        }
+        input => {
+            let scene = input.into_scene(scene)?;
+            check(&scene)?;
+            let solved = Watch::new(solve, global.quiet, start).solve(scene, solve.options())?;
+            if solved.stop == Stop::Time {
+                note(global, "time is up before the light is finished");
+            }
+            solved.solution
+        }
+    };
+    let unshot = solution.unshot_fraction();
+    if unshot > UNFINISHED {
+        note(
+            global,
+            &format!(
+                "{} of the light has not been shot yet, so values are low",
+                percent(unshot)
+            ),
+        );
+    }
+    Ok(solution)
+}

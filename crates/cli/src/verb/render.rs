@@ -1,0 +1,37 @@
+//! `hemicube render`: a picture of a scene or of a lit `.glb`.
+
+use super::solution_of;
+use crate::args::{GlobalArgs, RenderVerb};
+use crate::failure::Failure;
+use crate::output::{Target, print, print_json};
+use crate::picture::{ENDINGS, View, check};
+use serde_json::json;
+use std::time::Instant;
+
+/// Draws the picture.
+pub fn run(args: &RenderVerb, global: GlobalArgs, start: Instant) -> Result<(), Failure> {
+    let target = Target::check(&args.output, ENDINGS)?;
+    let solution = solution_of(
+        &args.scene,
+        &args.solve,
+        &args.scene_options,
+        global,
+        start,
+        |scene| check(scene, &args.picture),
+    )?;
+    let view = View::new(&solution, &args.picture)?;
+    view.draw(&solution, &target, global)?;
+    let file = target.path.display().to_string();
+    let (width, height) = view.size();
+    if global.json {
+        return print_json(&json!({
+            "scene": solution.mesh().scene().name, "camera": view.camera_name(),
+            "width": width, "height": height, "shading": view.shading_name(), "files": [file],
+        }));
+    }
+    print(&format!(
+        "wrote     {file} ({width} x {height}, camera {}, {})\n",
+        view.camera_name(),
+        view.shading_name()
+    ))
+}

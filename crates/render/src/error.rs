@@ -1,0 +1,47 @@
+//! Why a picture could not be made.
+
+use crate::options::{MAX_ANTIALIAS, MAX_SIDE};
+use hemicube_raster::triangle::Viewport;
+
+/// A picture could not be made; each message is one line.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// A side is 0 or too long.
+    #[error("picture of {width} x {height} pixels: each side must be from 1 to {MAX_SIDE}")]
+    Size {
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// Too few or too many samples.
+    #[error("antialias {0} is not from 1 to {MAX_ANTIALIAS}")]
+    Antialias(u32),
+    /// The supersampled picture is larger than the rasteriser's.
+    #[error(
+        "{side} pixels with antialias {antialias}: a side has more than {max} samples; use antialias {fitting} or a smaller picture",
+        max = Viewport::MAX_SIDE,
+        fitting = Viewport::MAX_SIDE / side
+    )]
+    Samples {
+        /// Pixels of the longer side.
+        side: usize,
+        /// Samples in each direction of a pixel.
+        antialias: u32,
+    },
+    /// Gathering without rays.
+    #[error("gather rays 0: a gathered picture needs at least 1, better 64")]
+    GatherRays,
+    /// A background that is no light.
+    #[error("background {0:?} is negative or not finite")]
+    Background([f32; 3]),
+    /// A camera that cannot see; the text says why.
+    #[error("camera '{name}': {problem}")]
+    Camera {
+        /// The camera's name.
+        name: String,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+}

@@ -1,0 +1,162 @@
+//! What a picture is made with.
+
+use crate::error::RenderError;
+use core::fmt;
+use core::str::FromStr;
+use hemicube_raster::Rgb;
+use hemicube_raster::triangle::Viewport;
+
+/// Longest side of a picture in pixels.
+pub(crate) const MAX_SIDE: usize = 16_384;
+
+/// Most samples in each direction of a pixel.
+pub(crate) const MAX_ANTIALIAS: u32 = 16;
+
+/// What a picture is made with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RenderOptions {
+    /// Pixels in a row, at most 16,384. Default value: 900.
+    pub width: usize,
+    /// Rows, at most 16,384. Default value: 600.
+    pub height: usize,
+    /// Where the irradiance of a point comes from. Default value: Gouraud.
+    pub shading: Shading,
+    /// `n` of `n × n` samples of a pixel on a regular grid, averaged (box filter); from 1 to 16. Default value: 3.
+    pub antialias: u32,
+    /// Whether the estimate of light still to come is added to solutions that were made with it (`ambient-shooting`).
+    /// Gathered pictures never add it. Default value: true.
+    pub ambient: bool,
+    /// Rays over the hemisphere for each gathered irradiance of a pixel. Default value: 256.
+    pub gather_rays: u32,
+    /// Radiance where nothing is drawn and the scene has no sky. Default value: none, which is black.
+    pub background: Option<Rgb>,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self {
+            width: 900,
+            height: 600,
+            shading: Shading::default(),
+            antialias: 3,
+            ambient: true,
+            gather_rays: 256,
+            background: None,
+        }
+    }
+}
+
+impl RenderOptions {
+    /// A picture of `width` by `height` pixels.
+    pub fn with_size(self, width: usize, height: usize) -> Self {
+        Self {
+            width,
+            height,
+            ..self
+        }
+    }
+
+    /// Another shading.
+    pub fn with_shading(self, shading: Shading) -> Self {
+        Self { shading, ..self }
+    }
+
+    /// `antialias × antialias` samples a pixel.
+    pub fn with_antialias(self, antialias: u32) -> Self {
+        Self { antialias, ..self }
+    }
+
+    /// With or without the ambient estimate.
+    pub fn with_ambient(self, ambient: bool) -> Self {
+        Self { ambient, ..self }
+    }
+
+    /// So many rays for each gathered irradiance.
+    pub fn with_gather_rays(self, gather_rays: u32) -> Self {
+        Self {
+            gather_rays,
+            ..self
+        }
+    }
+
+    /// Radiance where nothing is drawn and the scene has no sky.
+    pub fn with_background(self, background: Rgb) -> Self {
+        Self {
+            background: Some(background),
+            ..self
+        }
+    }
+
+    /// The door: everything behind it may rely on the ranges.
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
+        let (width, height) = (self.width, self.height);
+        let side = width.max(height);
+        if width.min(height) == 0 || side > MAX_SIDE {
+            return Err(RenderError::Size { width, height });
+        }
+        if self.antialias == 0 || self.antialias > MAX_ANTIALIAS {
+            return Err(RenderError::Antialias(self.antialias));
+        }
+        if side * self.antialias as usize > Viewport::MAX_SIDE {
+            let antialias = self.antialias;
+            return Err(RenderError::Samples { side, antialias });
+        }
+        if self.shading == Shading::Gather && self.gather_rays == 0 {
+            return Err(RenderError::GatherRays);
+        }
+        match self.background.map(Rgb::to_array) {
+            Some(bands) if bands.iter().any(|b| !b.is_finite() || *b < 0.0) => {
+                Err(RenderError::Background(bands))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Where the irradiance of a point in the picture comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Shading {
+    /// The element's own value: shows what was solved, with its edges.
+    Flat,
+    /// Interpolated over the element's triangles, perspective-correct (Gouraud 1971, applied to irradiance).
+    #[default]
+    Gouraud,
+    /// Gathered from the solution at each point, with visibility: crisp shadows, at the price of many rays.
+    Gather,
+}
+
+impl Shading {
+    /// All of them, in the order of the documentation.
+    pub const ALL: [Self; 3] = [Self::Flat, Self::Gouraud, Self::Gather];
+
+    /// Name in options and reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Flat => "flat",
+            Self::Gouraud => "gouraud",
+            Self::Gather => "gather",
+        }
+    }
+}
+
+impl fmt::Display for Shading {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// The name of a shading could not be understood.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("shading '{0}' is not known; use flat, gouraud or gather")]
+pub struct ParseShadingError(pub String);
+
+impl FromStr for Shading {
+    type Err = ParseShadingError;
+
+    fn from_str(name: &str) -> Result<Self, ParseShadingError> {
+        Self::ALL
+            .into_iter()
+            .find(|shading| shading.name() == name)
+            .ok_or_else(|| ParseShadingError(name.to_owned()))
+    }
+}
