@@ -23,10 +23,11 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Elements up to which every patch's row is made of pairs.
-const PAIRS_UP_TO_ELEMENTS: usize = 20_000;
-/// Pairs that emitters may cost together in larger scenes.
-const PAIRS_FOR_EMITTERS: usize = 40_000_000;
+/// A pair costs about as much as this many rays of a shot; pairs are taken where they are not dearer than a shot would
+/// be, because they are free of noise.
+const RAYS_PER_PAIR: f64 = 1.0 / 16.0;
+/// Pairs that all emitters together may cost.
+const PAIRS_FOR_EMITTERS: usize = 12_000_000;
 /// Most rays of one pair and of one shot.
 const MAX_PAIR_RAYS: u32 = 64;
 const MAX_SHOT_RAYS: f64 = 262_144.0;
@@ -47,7 +48,7 @@ pub struct RayCastOptions {
 /// Way to the factors of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Strategy {
-    /// Pairs in scenes of up to 20,000 elements and for the emitters of larger ones, shots otherwise.
+    /// Pairs for patches so large that a shot would cost as much, and for emitters; shots for the others.
     Automatic,
     /// Always pairs.
     Pairs,
@@ -71,7 +72,6 @@ pub struct RayCast {
     mesh: Arc<PatchMesh>,
     options: RayCastOptions,
     bands: usize,
-    pairs_everywhere: bool,
     pairs_for_emitters: bool,
     mean_element_area: f64,
     rays: AtomicU64,
@@ -89,12 +89,7 @@ impl RayCast {
             .sum();
         Self {
             bands: if mesh.visibility().is_tinted() { 3 } else { 1 },
-            pairs_everywhere: match options.strategy {
-                Strategy::Automatic => elements <= PAIRS_UP_TO_ELEMENTS,
-                strategy => strategy == Strategy::Pairs,
-            },
-            pairs_for_emitters: options.strategy == Strategy::Automatic
-                && emitting_patches.saturating_mul(elements) <= PAIRS_FOR_EMITTERS,
+            pairs_for_emitters: emitting_patches.saturating_mul(elements) <= PAIRS_FOR_EMITTERS,
             mean_element_area: total / elements.max(1) as f64,
             rays: AtomicU64::new(0),
             options: RayCastOptions {
@@ -102,6 +97,24 @@ impl RayCast {
                 ..options
             },
             mesh,
+        }
+    }
+
+    /// Rays that a shot of this patch would take.
+    fn shot_rays(&self, area: f64) -> f64 {
+        f64::from(self.options.rays) * area / self.mean_element_area
+    }
+
+    fn takes_pairs(&self, source: NodeId) -> bool {
+        match self.options.strategy {
+            Strategy::Pairs => true,
+            Strategy::Shots => false,
+            Strategy::Automatic => {
+                let pairs = self.mesh.elements().len() as f64;
+                let area = f64::from(self.mesh.node(source).area);
+                pairs * RAYS_PER_PAIR <= self.shot_rays(area)
+                    || (self.pairs_for_emitters && emits(&self.mesh, source))
+            }
         }
     }
 
@@ -251,11 +264,11 @@ impl RayCast {
     fn shots(&self, source: NodeId, row: &mut Row) {
         let mesh = &*self.mesh;
         let from = Shooter::new(mesh, source);
-        let wanted = f64::from(self.options.rays) * from.area / self.mean_element_area;
-        let rays = ray_count(wanted, MIN_SHOT_RAYS, MAX_SHOT_RAYS);
+        let rays = ray_count(self.shot_rays(from.area), MIN_SHOT_RAYS, MAX_SHOT_RAYS);
         let tallies = self.cast(&from, rays, |arrivals: &mut Vec<(u32, Rgb)>, hit, taken| {
             let element = mesh
                 .element_at(hit.face, hit.side, hit.point)
+                .filter(|&e| mesh.exposed_area(e) > 0.0)
                 .map_or(u32::MAX, crate::index32);
             arrivals.push((element, taken));
         });
@@ -295,7 +308,7 @@ impl FormFactors for RayCast {
 
     fn fill_row(&self, source: NodeId, row: &mut Row) {
         row.clear(self.bands);
-        if self.pairs_everywhere || (self.pairs_for_emitters && emits(self.mesh(), source)) {
+        if self.takes_pairs(source) {
             self.pairs(source, row);
         } else {
             self.shots(source, row);

@@ -80,9 +80,10 @@ pub struct PatchOptions {
     pub patch_size: Option<f32>,
     /// Longest edge of an element. Default value: a third of the patch size, or by `elements`.
     pub element_size: Option<f32>,
-    /// Number of patches to aim at if there is no `patch_size`.
+    /// Number of patches to aim at if there is no `patch_size`, beyond one for each lit side of a face.
     pub patches: Option<usize>,
-    /// Number of elements to aim at if there is no `element_size`. Default value: 4000.
+    /// Number of elements to aim at if there is no `element_size`, beyond one for each lit side of a face.
+    /// Default value: 4000.
     pub elements: Option<usize>,
 }
 
@@ -162,6 +163,7 @@ pub struct PatchMesh {
     emission: Vec<Rgb>,
     transmittance: Vec<Rgb>,
     exposure: Vec<ExposedPoints>,
+    exposed_area: Vec<f32>,
     report: ImportReport,
     revision: u64,
 }
@@ -198,6 +200,7 @@ impl PatchMesh {
             transmittance: Vec::new(),
             report,
             exposure: Vec::new(),
+            exposed_area: Vec::new(),
             revision: 0,
             visibility: Visibility::new(scene.clone(), faces.clone()),
             faces,
@@ -206,6 +209,8 @@ impl PatchMesh {
         mesh.grow(sizes);
         mesh.average_materials();
         mesh.exposure = exposure::of_elements(&mesh);
+        let area = |(points, &id): (&ExposedPoints, &NodeId)| points.share() * mesh.node(id).area;
+        mesh.exposed_area = mesh.exposure.iter().zip(&mesh.elements).map(area).collect();
         Ok(mesh)
     }
 
@@ -247,7 +252,7 @@ impl PatchMesh {
 
     /// Area of the exposed part of an element. Irradiance and radiosity are means over this part.
     pub fn exposed_area(&self, element: usize) -> f32 {
-        self.node(self.elements[element]).area * self.exposure[element].share()
+        self.exposed_area[element]
     }
 
     /// Whether rays from the elements, one each, all meet a side that receives: nothing escapes, no backs absorb.
@@ -687,12 +692,14 @@ impl Sizes {
     }
 }
 
-/// The smallest size that gives at most so many cells, by bisection; infinite if one cell a face is already more.
+/// The smallest size that gives at most so many cells beyond one for each lit side of a face, by bisection.
 fn size_for_count(faces: &[WorldFace], sided: impl Fn(&WorldFace) -> usize, count: usize) -> f32 {
     let longest = faces
         .iter()
         .flat_map(|f| f.polygon().iter().map(|&p| p.distance(f.corners[0])))
         .fold(0.0, f32::max);
+    let sides: usize = faces.iter().map(&sided).sum();
+    let count = count.saturating_add(sides);
     let cells = |size: f32| -> usize {
         let mut sum: usize = 0;
         for face in faces {
@@ -704,9 +711,6 @@ fn size_for_count(faces: &[WorldFace], sided: impl Fn(&WorldFace) -> usize, coun
         sum
     };
     let (mut low, mut high) = (longest * 1e-5, longest * 2.0);
-    if cells(high) > count {
-        return high;
-    }
     for _ in 0..24 {
         let middle = (low * high).sqrt();
         if cells(middle) > count {

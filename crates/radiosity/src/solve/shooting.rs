@@ -4,9 +4,11 @@
 //! with nothing unshot. Energy is kept at every step: what leaves is received, absorbed or escapes.
 
 use crate::form_factor::{FormFactors, Row};
+use crate::patch::PatchMesh;
 use crate::solution::{BANDS, Solution};
 use crate::solve::max_tree::MaxTree;
 use crate::solve::{Progress, Solver};
+use hemicube_raster::Rgb;
 use rayon::prelude::*;
 
 /// Which patch shoots next.
@@ -29,6 +31,7 @@ pub struct Shooting<'a> {
     order: Order,
     /// Unshot flux of each patch, over channels.
     unshot: MaxTree,
+    surfaces: Surfaces,
     /// Signed unshot flux of all patches in each channel.
     unshot_total: Vec<f64>,
     emitted: f64,
@@ -53,6 +56,7 @@ impl<'a> Shooting<'a> {
             factors,
             order,
             unshot: MaxTree::new(&[]),
+            surfaces: Surfaces::new(solution.mesh()),
             unshot_total: vec![0.0; solution.groups().len() * BANDS],
             emitted,
             next: usize::try_from(solution.provenance.steps).unwrap_or(0) % patches.max(1),
@@ -60,7 +64,9 @@ impl<'a> Shooting<'a> {
             rows: Vec::new(),
             solution,
         };
-        let fluxes: Vec<f64> = (0..patches).map(|p| magnitude(&solver.flux(p))).collect();
+        let fluxes: Vec<f64> = (0..patches)
+            .map(|p| unshot_magnitude(&solver.solution, p))
+            .collect();
         solver.unshot = MaxTree::new(&fluxes);
         for p in 0..patches {
             for (total, flux) in solver
@@ -119,25 +125,27 @@ impl<'a> Shooting<'a> {
         let (irradiance, unshot, balance) = self.solution.channels_mut();
         for (channel, &flux) in fluxes.iter().enumerate() {
             let (group, band) = (channel / BANDS, channel % BANDS);
-            let start = channel * elements;
-            unshot[start..start + elements][mesh.elements_of_patch(patch)].fill(0.0);
+            let range = channel * elements..(channel + 1) * elements;
+            let (irradiance, unshot) = (&mut irradiance[range.clone()], &mut unshot[range]);
+            unshot[mesh.elements_of_patch(patch)].fill(0.0);
             self.unshot_total[channel] -= flux;
             if flux == 0.0 {
                 continue;
             }
-            let (mut absorbed, mut reflected) = (0.0, 0.0);
+            let factor = to_f32(flux);
+            let (reflectance, kept) = (&self.surfaces.reflectance[band], &self.surfaces.kept[band]);
+            let (mut received, mut reflected) = (0.0, 0.0);
             for (&e, &fraction) in row.receivers.iter().zip(row.band(band)) {
                 let e = e as usize;
-                let arriving = f64::from(fraction) * flux;
-                let gain = to_f32(arriving / f64::from(mesh.exposed_area(e)));
-                let reflectance = mesh.reflectance()[e][band];
-                irradiance[start + e] += gain;
-                unshot[start + e] += reflectance * gain;
-                reflected += arriving * f64::from(reflectance);
-                absorbed += arriving * f64::from(1.0 - mesh.transmittance()[e][band] - reflectance);
+                let gain = fraction * factor * self.surfaces.inverse_area[e];
+                irradiance[e] += gain;
+                unshot[e] += reflectance[e] * gain;
+                received += f64::from(fraction) * f64::from(kept[e]);
+                reflected += f64::from(fraction) * f64::from(reflectance[e]);
             }
-            self.unshot_total[channel] += reflected;
-            balance[group][band].absorbed += absorbed + flux * f64::from(row.absorbed[band]);
+            self.unshot_total[channel] += flux * reflected;
+            let backs = f64::from(row.absorbed[band]);
+            balance[group][band].absorbed += flux * (received - reflected + backs);
             balance[group][band].escaped += flux * f64::from(row.escaped[band]);
         }
         self.refresh(row, patch);
@@ -152,12 +160,34 @@ impl<'a> Shooting<'a> {
             let patch = mesh.patch_of_element(e as usize);
             if patch != last {
                 self.unshot
-                    .set(patch, magnitude(&unshot_flux(&self.solution, patch)));
+                    .set(patch, unshot_magnitude(&self.solution, patch));
                 last = patch;
             }
         }
         self.unshot
-            .set(shooter, magnitude(&unshot_flux(&self.solution, shooter)));
+            .set(shooter, unshot_magnitude(&self.solution, shooter));
+    }
+}
+
+/// What a shot needs to know of the elements, each array on its own so that a row runs through them in order.
+struct Surfaces {
+    inverse_area: Vec<f32>,
+    reflectance: [Vec<f32>; BANDS],
+    /// Share of arriving light that is not let straight through.
+    kept: [Vec<f32>; BANDS],
+}
+
+impl Surfaces {
+    fn new(mesh: &PatchMesh) -> Self {
+        let areas = (0..mesh.elements().len()).map(|e| mesh.exposed_area(e));
+        let bands = |values: &[Rgb], of: fn(f32) -> f32| {
+            [0, 1, 2].map(|band| values.iter().map(|v| of(v[band])).collect())
+        };
+        Self {
+            inverse_area: areas.map(|a| if a > 0.0 { 1.0 / a } else { 0.0 }).collect(),
+            reflectance: bands(mesh.reflectance(), |r| r),
+            kept: bands(mesh.transmittance(), |t| 1.0 - t),
+        }
     }
 }
 
@@ -202,21 +232,24 @@ impl Solver for Shooting<'_> {
 
 /// Signed unshot flux of a patch in each channel.
 fn unshot_flux(solution: &Solution, patch: usize) -> Vec<f64> {
-    let mesh = solution.mesh();
-    let range = mesh.elements_of_patch(patch);
     (0..solution.groups().len() * BANDS)
-        .map(|channel| {
-            let values = solution.unshot(channel / BANDS, channel % BANDS);
-            range
-                .clone()
-                .map(|e| f64::from(values[e]) * f64::from(mesh.exposed_area(e)))
-                .sum()
-        })
+        .map(|channel| channel_flux(solution, patch, channel))
         .collect()
 }
 
-fn magnitude(fluxes: &[f64]) -> f64 {
-    fluxes.iter().map(|flux| flux.abs()).sum()
+/// Sum over channels of the absolute unshot flux of a patch.
+fn unshot_magnitude(solution: &Solution, patch: usize) -> f64 {
+    (0..solution.groups().len() * BANDS)
+        .map(|channel| channel_flux(solution, patch, channel).abs())
+        .sum()
+}
+
+fn channel_flux(solution: &Solution, patch: usize, channel: usize) -> f64 {
+    let mesh = solution.mesh();
+    let values = solution.unshot(channel / BANDS, channel % BANDS);
+    mesh.elements_of_patch(patch)
+        .map(|e| f64::from(values[e]) * f64::from(mesh.exposed_area(e)))
+        .sum()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
