@@ -4,6 +4,7 @@
 //! exact factor of each emitting patch from the point times the share of rays that reach it. Reflected light is
 //! gathered by cosine-distributed rays. Scenes with very many emitting patches are gathered by rays alone.
 
+use crate::band_sum::BandSum;
 use crate::form_factor::polygon::{FlatPolygon, point_to_polygon};
 use crate::patch::{NodeId, Polygon};
 use crate::primary::from_light;
@@ -15,7 +16,7 @@ use glam::Vec3;
 use hemicube_raster::Rgb;
 
 /// Emitting patches above which they are not integrated one by one.
-const MAX_EMITTERS: usize = 512;
+const MAX_EMITTERS: usize = 2048;
 
 /// How the rays are spent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,14 +104,40 @@ impl<'a> Gatherer<'a> {
             .sum();
         let origin = point + normal * Visibility::offset(point);
         let mut sum = lights * dim;
-        for (number, emitter) in self.emitters.iter().enumerate() {
-            let factor = point_to_polygon(point.as_dvec3(), normal.as_dvec3(), &emitter.flat);
-            if factor > 0.0 {
-                let rays = shadow_rays(factor, self.options.rays);
-                let visible =
-                    self.visible_share(origin, normal, emitter, rays, hash(seed, number as u64));
-                sum += emitter.exitance * visible * to_f32(factor);
+        let arriving: Vec<(usize, Rgb)> = self
+            .emitters
+            .iter()
+            .enumerate()
+            .map(|(i, emitter)| {
+                let factor = point_to_polygon(point.as_dvec3(), normal.as_dvec3(), &emitter.flat);
+                (i, emitter.exitance * to_f32(factor))
+            })
+            .filter(|(_, unoccluded)| !unoccluded.is_black())
+            .collect();
+        let total: f32 = arriving
+            .iter()
+            .map(|(_, unoccluded)| unoccluded.max_band())
+            .sum();
+        // Rays go to emitters by what they would bring. Those that earn less than a ray are drawn systematically and
+        // count for the ones that were not.
+        let mut ticks = point2(0, seed)[0];
+        for (i, unoccluded) in arriving {
+            let wanted = self.options.rays as f32 * unoccluded.max_band() / total;
+            let (rays, weight) = if wanted >= 1.0 {
+                (ceil_count(wanted), 1.0)
+            } else {
+                (1, 1.0 / wanted)
+            };
+            if wanted < 1.0 {
+                ticks += wanted;
+                if ticks < 1.0 {
+                    continue;
+                }
+                ticks -= 1.0;
             }
+            let emitter = &self.emitters[i];
+            let visible = self.visible_share(origin, normal, emitter, rays, hash(seed, i as u64));
+            sum += unoccluded * visible * weight;
         }
         sum
     }
@@ -155,7 +182,7 @@ impl<'a> Gatherer<'a> {
                 .map_or(Rgb::WHITE, |group| group.dim)
             * PI;
         let origin = point + normal * Visibility::offset(point);
-        let mut sum = Rgb::BLACK;
+        let mut sum = BandSum::default();
         for i in 0..self.options.rays {
             let direction = cosine_direction(normal, point2(i, seed));
             let mut arriving = Rgb::BLACK;
@@ -164,9 +191,9 @@ impl<'a> Gatherer<'a> {
                     arriving += share * (self.radiosity[e] - self.integrated[e]);
                 }
             });
-            sum += arriving + escaped * sky;
+            sum.add(arriving + escaped * sky);
         }
-        sum / self.options.rays as f32
+        sum.mean(self.options.rays)
     }
 }
 
@@ -207,14 +234,13 @@ fn emitters(solution: &Solution) -> Vec<Emitter> {
     }
 }
 
-/// Rays to one emitter: in proportion to its factor, at least sixteen.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "clamped to a small range"
+    reason = "at most the number of rays"
 )]
-fn shadow_rays(factor: f64, rays: u32) -> u32 {
-    (factor * 8.0 * f64::from(rays)).ceil().clamp(16.0, 1024.0) as u32
+fn ceil_count(wanted: f32) -> u32 {
+    wanted.ceil() as u32
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]

@@ -1,6 +1,7 @@
 //! From a scene to a radiosity solution, on the CPU.
 #![forbid(unsafe_code)]
 
+mod band_sum;
 pub mod drawn;
 mod error;
 pub mod export;

@@ -1,5 +1,6 @@
 //! Light that no surface emits: points, spots, the sun and the sky, with visibility.
 
+use crate::band_sum::BandSum;
 use crate::patch::PatchMesh;
 use crate::sampling::{cosine_direction, hash, point2, point4};
 use crate::visibility::Visibility;
@@ -45,13 +46,12 @@ pub fn primary_irradiance(mesh: &PatchMesh, sky_rays: u32, seed: u64) -> Vec<Rgb
             let mut irradiance: Rgb = lights.sum();
             if !scene.sky.is_black() {
                 let rays = sky_rays.max(1);
-                let open: Rgb = (0..rays)
-                    .map(|i| {
-                        let [u, v, s, t] = point4(i, seed);
-                        sky_share(visibility, area.point([u, v]), normal, [s, t])
-                    })
-                    .sum();
-                irradiance += scene.sky * open * (PI / rays as f32);
+                let mut open = BandSum::default();
+                for i in 0..rays {
+                    let [u, v, s, t] = point4(i, seed);
+                    open.add(sky_share(visibility, area.point([u, v]), normal, [s, t]));
+                }
+                irradiance += scene.sky * open.mean(rays) * PI;
             }
             irradiance
         })

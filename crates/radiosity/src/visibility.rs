@@ -118,7 +118,7 @@ impl Visibility {
 
     /// First surface along a ray, whatever it is made of. The direction must have unit length.
     pub fn first_hit(&self, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
-        let ray = Ray::new(origin.into(), direction.into(), 0.0, max_distance);
+        let ray = ray(origin, direction, max_distance);
         let mut hit = RayHit::none();
         let found = self
             .bvh
@@ -138,7 +138,7 @@ impl Visibility {
 
     /// Whether nothing at all lies between two points, each already off its surface.
     fn is_clear(&self, from: Vec3, to: Vec3) -> bool {
-        let ray = Ray::new(from.into(), (to - from).into(), 0.0, 1.0);
+        let ray = ray(from, to - from, 1.0);
         self.bvh
             .ray_traverse_miss(ray, |ray, i| self.triangles[i].intersect(ray))
     }
@@ -153,7 +153,7 @@ impl Visibility {
             };
         }
         let mut through = Rgb::WHITE;
-        let ray = Ray::new(from.into(), (to - from).into(), 0.0, 1.0);
+        let ray = ray(from, to - from, 1.0);
         let clear = self.bvh.ray_traverse_miss(ray, |ray, i| {
             let t = self.triangles[i].intersect(ray);
             if t > ray.tmax {
@@ -203,6 +203,17 @@ impl Visibility {
         }
         Rgb::BLACK
     }
+}
+
+/// A ray from its origin. Adding 0 turns components of -0 into 0: the traversal takes the octant from the sign of the
+/// direction in one place and from that of its inverse in another, and loses rays where they differ.
+fn ray(origin: Vec3, direction: Vec3, max_distance: f32) -> Ray {
+    Ray::new(
+        origin.into(),
+        (direction + Vec3::ZERO).into(),
+        0.0,
+        max_distance,
+    )
 }
 
 fn diameter(faces: &[WorldFace]) -> f32 {

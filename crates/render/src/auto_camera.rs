@@ -68,7 +68,8 @@ impl Bounds {
 /// First surface along a ray, and whether it shows its lit side.
 pub(crate) fn look(mesh: &PatchMesh, origin: Vec3, direction: Vec3) -> Option<(Hit, bool)> {
     let visibility = mesh.visibility();
-    let hit = visibility.first_hit(origin, direction, f32::INFINITY)?;
+    // Adding 0 makes -0 to 0: the BVH misses everything along directions with a component of -0.
+    let hit = visibility.first_hit(origin, direction + Vec3::ZERO, f32::INFINITY)?;
     let lit = visibility.receives(hit.face, hit.side);
     Some((hit, lit))
 }

@@ -80,6 +80,7 @@ impl Band {
                 solid
             });
         }
+        fill_pinholes(bins.viewport.width, &mut hits, &mut depth);
         for t in of_cover(Cover::Transparent) {
             draw(stage, bins, &rows, t, &mut depth, |sample, depth, hit| {
                 let sample = u32::try_from(sample).expect("a band has fewer than 2^32 samples");
@@ -107,6 +108,20 @@ impl Band {
             .iter()
             .take_while(of_sample)
             .map(|l| &l.hit)
+    }
+}
+
+/// Gives single samples that see nothing amid samples that do what their left neighbour sees.
+///
+/// Where edges of a scene meet without sharing their vertices, snapping to the grid of the screen opens gaps of a few
+/// hundredths of a sample; one in a million samples falls through and would show a bright sky in a dark corner.
+fn fill_pinholes(width: usize, hits: &mut [SurfaceHit], depth: &mut [f32]) {
+    let inner_rows = width..hits.len().saturating_sub(width);
+    for i in inner_rows.filter(|i| (1..width.saturating_sub(1)).contains(&(i % width))) {
+        let around = [i - 1, i + 1, i - width, i + width];
+        if !hits[i].exists() && around.iter().all(|&k| hits[k].exists()) {
+            (hits[i], depth[i]) = (hits[i - 1], depth[i - 1]);
+        }
     }
 }
 

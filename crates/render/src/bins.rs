@@ -96,10 +96,6 @@ fn farthest(stage: &Stage<'_>, camera: &Camera) -> f64 {
     if far > 0.0 { far } else { 1.0 }
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "clip positions are f32, computed in f64"
-)]
 fn project(stage: &Stage<'_>, camera: &Camera, aspect: f64, near: f64, far: f64) -> Vec<Vec4> {
     let clip_from_world = clip_from_world(camera, aspect, near, far);
     let positions = stage.drawn.positions.par_iter();

@@ -18,17 +18,23 @@ const MARGIN: f32 = 1.08;
 const ELEVATIONS: [(f32, f32); 2] = [(22.0, 1.05), (0.0, 1.0)];
 const AZIMUTHS: u32 = 24;
 
+/// Bonus of directions well off the axes, which show two sides of things.
+const OBLIQUE: f32 = 1.06;
+
 /// Rays along each side of the imagined picture.
 const RAYS: u32 = 40;
 
 /// The view from outside that shows most.
 pub(crate) fn find(mesh: &PatchMesh, object: &Bounds) -> Camera {
-    // A first azimuth off the axes, so that a cube shows two sides; every third direction lies on an axis or a diagonal.
+    // The first direction, which wins among equals, sees the front and the right side.
     let directions: Vec<(Vec3, f32)> = ELEVATIONS
         .iter()
         .flat_map(|&(elevation, bonus)| {
             (0..AZIMUTHS).map(move |k| {
-                let azimuth = TAU * ((k + 2) % AZIMUTHS) as f32 / AZIMUTHS as f32;
+                let step = (k + 2) % AZIMUTHS;
+                let azimuth = TAU * step as f32 / AZIMUTHS as f32;
+                let oblique = matches!(step % (AZIMUTHS / 4), 2..=4);
+                let bonus = if oblique { bonus * OBLIQUE } else { bonus };
                 (towards_eye(azimuth, elevation.to_radians()), bonus)
             })
         })
@@ -67,7 +73,7 @@ fn seen_area(mesh: &PatchMesh, object: &Bounds, towards_eye: Vec3) -> f32 {
         let origin = object.centre() + across + towards_eye * (1.1 * radius);
         match look(mesh, origin, -towards_eye) {
             Some((hit, true)) => 1.0 + 4.0 * depth_inside(object, hit.point, towards_eye) / radius,
-            Some((_, false)) => -0.5,
+            Some((_, false)) => -2.0,
             None => 0.0,
         }
     };

@@ -68,19 +68,12 @@ pub(crate) fn find(mesh: &PatchMesh, room: &Bounds) -> Option<Camera> {
             .then(|| around.best_view(room))
     };
     let views: Vec<(f32, Camera)> = places.par_iter().filter_map(best_of_place).collect();
-    // Of equal views the first counts.
-    let better = |best: (f32, Camera), view| {
-        if view_score(&view) > best.0 {
-            view
-        } else {
-            best
-        }
-    };
     views.into_iter().reduce(better).map(|(_, camera)| camera)
 }
 
-fn view_score((score, _): &(f32, Camera)) -> f32 {
-    *score
+/// The view of the higher score; of equals the first.
+fn better(first: (f32, Camera), second: (f32, Camera)) -> (f32, Camera) {
+    if second.0 > first.0 { second } else { first }
 }
 
 /// The centres of `n × n` cells of the unit square.
@@ -162,9 +155,6 @@ impl Surroundings {
         let view = |forward: Vec3| {
             let camera = looking(self.eye, self.eye + forward, FOV);
             (self.score(&camera, room), camera)
-        };
-        let better = |best: (f32, Camera), view: (f32, Camera)| {
-            if view.0 > best.0 { view } else { best }
         };
         directions
             .map(view)

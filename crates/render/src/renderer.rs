@@ -63,7 +63,7 @@ pub fn tone_mapped(image: &Image<Rgb>, exposure: Exposure, tone_map: ToneMap) ->
 }
 
 /// Called with the finished share of a picture, in [0, 1], from any thread.
-pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);
+type Progress<'a> = &'a (dyn Fn(f64) + Sync);
 
 /// A solution, a camera and options, checked and ready for pictures.
 pub struct Renderer<'a> {
