@@ -126,14 +126,6 @@ impl Target {
             .is_some_and(|e| e.eq_ignore_ascii_case(ending))
     }
 
-    /// Whether both are the same file.
-    pub fn is_same_as(&self, other: &Path) -> bool {
-        match (fs::canonicalize(&self.path), fs::canonicalize(other)) {
-            (Ok(a), Ok(b)) => a == b,
-            _ => self.real == other,
-        }
-    }
-
     /// Writes the file whole or not at all.
     pub fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
         self.write_or_error(bytes)

@@ -132,7 +132,7 @@ fn camera(solution: &Solution, args: &PictureArgs) -> Result<Camera, Failure> {
     };
     match (&mut camera.projection, args.fov) {
         (Projection::Perspective { vertical_fov, .. }, Some(degrees)) => {
-            *vertical_fov = degrees.to_radians()
+            *vertical_fov = degrees.to_radians();
         }
         (Projection::Orthographic { .. }, Some(_)) => {
             return Err(Failure::Usage(format!(

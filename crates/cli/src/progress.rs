@@ -1,6 +1,6 @@
 //! Progress bars on standard error: only on a terminal, only for what takes more than a second.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, stderr};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -38,24 +38,31 @@ impl Bar {
             return;
         }
         let bar = self.bar.get_or_init(|| {
-            let style = ProgressStyle::with_template(
-                "{prefix} [{bar:30}] {percent:>3} %  {msg}  {eta} left",
-            )
-            .expect("the template is ours")
-            .progress_chars("=> ");
+            let style = ProgressStyle::with_template("{prefix} [{bar:30}] {percent:>3} %  {msg}")
+                .expect("the template is ours")
+                .progress_chars("=> ");
             ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr_with_hz(8))
                 .with_style(style)
                 .with_prefix(self.what)
                 .with_elapsed(self.start.elapsed())
         });
-        bar.set_message(words());
         bar.set_position(parts(share));
+        bar.set_message(format!("{}{}", words(), self.remaining(share)));
+    }
+
+    /// The time that is left if the work goes on as it did on average.
+    fn remaining(&self, share: f64) -> String {
+        let seconds = self.start.elapsed().as_secs_f64() * (1.0 - share) / share;
+        match Duration::try_from_secs_f64(seconds.ceil()) {
+            Ok(left) if left.as_secs() < 1_000_000 => format!("  {} left", HumanDuration(left)),
+            _ => String::new(),
+        }
     }
 
     /// Counts one of `all` equal pieces of work; for work that many threads share.
     pub fn count(&self, all: usize) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        if self.wanted && done % 16 == 0 {
+        if self.wanted && done.is_multiple_of(16) {
             self.show(done as f64 / all.max(1) as f64, || {
                 format!("{done} of {all}")
             });

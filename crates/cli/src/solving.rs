@@ -100,9 +100,16 @@ impl Watch {
             );
             stop == Stop::Finished
         })?;
+        let unshot = solution.unshot_fraction();
+        if !unshot.is_finite() {
+            let name = &solution.mesh().scene().name;
+            return Err(Failure::Failed(format!(
+                "scene '{name}': the light came out as no number, which is a bug; please report it with the scene"
+            )));
+        }
         let steps = solution.provenance.steps - steps_before;
         let limited = options.max_steps.is_some_and(|most| steps >= most);
-        if stop == Stop::Finished && limited && solution.unshot_fraction() > options.tolerance {
+        if stop == Stop::Finished && limited && unshot > options.tolerance {
             stop = Stop::Iterations;
         }
         Ok(Solved {
@@ -141,6 +148,7 @@ pub fn percent(share: f64) -> String {
         x if x >= 10.0 => format!("{percent:.0} %"),
         x if x >= 1.0 => format!("{percent:.1} %"),
         x if x >= 0.1 => format!("{percent:.2} %"),
+        x if x >= 0.01 => format!("{percent:.3} %"),
         x if x >= 0.001 => format!("{percent:.4} %"),
         _ => format!("{percent:.1e} %"),
     }

@@ -1,4 +1,36 @@
-//! A radiosity system: a scene goes in, light you can trust comes out.
+//! A radiosity system: a scene goes in, light you can trust comes out; view-independent, in physical units.
+//!
+//! ```
+//! use hemicube::radiosity::{GatherOptions, Gatherer, Quality, solve};
+//! use hemicube::scene;
+//! use glam::Vec3;
+//! use std::sync::Arc;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // A file (.glb, .gltf, .obj) or the name of a built-in scene.
+//! let scene = scene::open("cornell")?;
+//! let units = scene.units;
+//! // Asked before every step; `false` ends the work with the light so far.
+//! let solution = solve(Arc::new(scene), &Quality::Draft.into(), |progress, _| progress.iteration < 10_000)?;
+//!
+//! let gatherer = Gatherer::new(&solution, GatherOptions::default());
+//! let floor = gatherer.irradiance(Vec3::new(265.0, 0.0, 263.0), Vec3::Y);
+//! println!("{floor:?} W/m², {:.0} lx", units.illuminance(floor));
+//! # assert!((floor.r - 0.95).abs() < 0.08, "the reference is 0.956 W/m²: {floor:?}");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`raster`] | images, linear colour, triangles with a z-buffer, tone mapping; knows no scene |
+//! | [`scene`] | glTF and OBJ import, materials, lights, cameras, built-in scenes |
+//! | [`radiosity`] | patches, form factors, solvers, solutions, lit `.glb` files |
+//! | [`render`] | pictures of solutions |
+//!
+//! # Current state
+//! Form factors are cast by rays over a BVH; the solvers are progressive shooting, sorted or not, with an ambient
+//! estimate for display. Surfaces are diffuse; panes let light straight through. Nothing panics on what files hold.
 #![forbid(unsafe_code)]
 
 pub use hemicube_radiosity as radiosity;

@@ -1,2 +1,132 @@
-//! Program.
-fn main() {}
+//! The workspace's chores: `cargo xtask test`.
+
+use std::process::{Command, ExitCode};
+
+const HELP: &str = "\
+The workspace's chores.
+
+  cargo xtask test [ARGS...]   all tests of all crates; ARGS go to `cargo test`
+  cargo xtask check            what a change must pass: format, clippy, documentation, tests, packages
+  cargo xtask gallery          draws the README's pictures into assets/ again
+";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let rest: Vec<&str> = args.iter().skip(1).map(String::as_str).collect();
+    let done = match args.first().map(String::as_str) {
+        Some("test") => test(&rest),
+        Some("check") => check(),
+        Some("gallery") => gallery(),
+        Some("help" | "--help" | "-h") => {
+            print!("{HELP}");
+            true
+        }
+        other => {
+            eprintln!("xtask: no chore '{}'\n\n{HELP}", other.unwrap_or_default());
+            return ExitCode::from(2);
+        }
+    };
+    if done {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}
+
+/// Everything that `cargo test` finds in the workspace, the examples among it.
+fn test(args: &[&str]) -> bool {
+    cargo(&[&["test", "--workspace", "--locked"], args].concat(), &[])
+}
+
+fn check() -> bool {
+    let packages =
+        ["raster", "scene", "radiosity", "render"].map(|name| format!("hemicube-{name}"));
+    let mut package = vec![
+        "package",
+        "--locked",
+        "--allow-dirty",
+        "--no-verify",
+        "--quiet",
+    ];
+    for name in packages
+        .iter()
+        .map(String::as_str)
+        .chain(["hemicube", "hemicube-cli"])
+    {
+        package.extend(["--package", name]);
+    }
+    cargo(&["fmt", "--all", "--check"], &[])
+        && cargo(
+            &[
+                "clippy",
+                "--workspace",
+                "--all-targets",
+                "--locked",
+                "--",
+                "-D",
+                "warnings",
+            ],
+            &[],
+        )
+        && cargo(
+            &["doc", "--workspace", "--no-deps", "--locked"],
+            &[("RUSTDOCFLAGS", "-D warnings")],
+        )
+        && test(&[])
+        && cargo(&package, &[])
+}
+
+/// Pictures made by the program, as the README shows them.
+fn gallery() -> bool {
+    let shots = ["0", "1", "10", "100"];
+    let run = |args: &[&str]| {
+        let prefix = [
+            "run",
+            "--release",
+            "--locked",
+            "--package",
+            "hemicube-cli",
+            "--",
+        ];
+        cargo(&[&prefix[..], args].concat(), &[])
+    };
+    run(&[
+        "solve",
+        "office",
+        "--image",
+        "assets/office.png",
+        "--size",
+        "1280x720",
+    ]) && shots.iter().all(|shot| {
+        let file = format!("assets/cornell-{shot}.png");
+        run(&[
+            "solve",
+            "cornell",
+            "--iterations",
+            shot,
+            "--image",
+            &file,
+            "--size",
+            "400x400",
+            "--exposure",
+            "1",
+        ])
+    })
+}
+
+/// Runs cargo and says what it runs.
+fn cargo(args: &[&str], variables: &[(&str, &str)]) -> bool {
+    eprintln!("\n> cargo {}", args.join(" "));
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    match Command::new(cargo)
+        .args(args)
+        .envs(variables.iter().copied())
+        .status()
+    {
+        Ok(status) => status.success(),
+        Err(error) => {
+            eprintln!("xtask: cargo could not be started: {error}");
+            false
+        }
+    }
+}

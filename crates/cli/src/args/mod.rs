@@ -30,7 +30,7 @@ Exit codes: 0 done; 1 could not be done (one line says why); 2 wrong usage; 130 
 
 /// Radiosity: a scene goes in, light you can trust comes out
 #[derive(Debug, Parser)]
-#[command(name = "hemicube", version, long_about = LONG_ABOUT, after_help = EXAMPLES, arg_required_else_help = true)]
+#[command(name = "hemicube", version, about = LONG_ABOUT, after_help = EXAMPLES, arg_required_else_help = true)]
 #[command(disable_help_subcommand = true, max_term_width = 110)]
 pub struct Cli {
     #[command(flatten)]
@@ -77,12 +77,10 @@ Examples:
   hemicube solve room.glb -o lit.glb --emit 'lamp*=3000' --quality final --time 10m
   hemicube solve --resume lit.glb -o better.glb --tolerance 1e-4
 
-Ctrl-C stops and writes what has been reached (exit code 0, or 130 if there is no file to write); a second Ctrl-C ends \
+Without -o and --image only the report is printed. Ctrl-C stops and writes what has been reached (exit code 0, or 130 if there is no file to write); a second Ctrl-C ends \
 at once.";
 
 /// Computes the light in a scene; writes a lit .glb, a picture, or both
-///
-/// Without -o and --image only the report is printed.
 #[derive(Debug, Args)]
 #[command(after_help = SOLVE_HELP)]
 pub struct SolveVerb {
@@ -115,12 +113,10 @@ comma or semicolon, in metres of the solved scene, +Y up; the normal points to t
 columns are passed through. Added are irradiance_r,irradiance_g,irradiance_b (lx or W/m²) and illuminance (lx).";
 
 /// Reads irradiance and illuminance at points
-///
-/// A scene that is not solved yet is solved first.
 #[derive(Debug, Args)]
 #[command(after_help = MEASURE_HELP)]
 pub struct MeasureVerb {
-    /// Lit .glb, scene file or name of a built-in scene
+    /// Lit .glb, or a scene that is solved first: a file or the name of a built-in one
     #[arg(value_name = "SCENE|LIT.glb")]
     pub scene: PathBuf,
     /// CSV file of points and normals; - reads standard input
@@ -145,12 +141,10 @@ Examples:
   hemicube render lit.glb -o view.exr --eye 2,1.6,3 --look-at 0,1,0 --fov 70";
 
 /// Draws a picture of a scene or of a lit .glb
-///
-/// A scene that is not solved yet is solved first.
 #[derive(Debug, Args)]
 #[command(after_help = RENDER_HELP)]
 pub struct RenderVerb {
-    /// Lit .glb, scene file or name of a built-in scene
+    /// Lit .glb, or a scene that is solved first: a file or the name of a built-in one
     #[arg(value_name = "SCENE|LIT.glb")]
     pub scene: PathBuf,
     /// Picture to write: .png for the eye, .exr for radiance in physical units
@@ -165,14 +159,12 @@ pub struct RenderVerb {
 }
 
 /// Says what is in a scene, and why it would stay black or leak light
-///
-/// Works on a lit .glb too and then tells how its solution was obtained.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  hemicube info office\n  hemicube info house.obj --unit cm --up z"
 )]
 pub struct InfoVerb {
-    /// Scene file, lit .glb or name of a built-in scene
+    /// Scene file, lit .glb (tells how its light was obtained) or name of a built-in scene
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     #[command(flatten)]

@@ -22,10 +22,10 @@ pub struct PictureArgs {
     /// Vertical angle of view in degrees [default: the camera's, 60 with --eye]
     #[arg(long, value_name = "DEG", value_parser = parse::angle)]
     pub fov: Option<f32>,
-    /// Pixels [default: 960x640, or of the same area in the camera's proportions]
+    /// Pixels [default: 960x640, or the camera's proportions within 960x720]
     #[arg(long, value_name = "WxH", value_parser = parse::size)]
     pub size: Option<(u32, u32)>,
-    /// Stops brighter or darker (0: radiance 1 is display white), or auto [default: auto]
+    /// Stops brighter or darker of a .png or lit .glb (0: radiance 1 is display white), or auto [default: auto]
     #[arg(long, value_name = "EV|auto", allow_hyphen_values = true)]
     pub exposure: Option<Exposure>,
     /// Tone curve [default: reinhard]
@@ -34,10 +34,10 @@ pub struct PictureArgs {
     /// One colour an element, smooth, or light gathered at each pixel (slow, sharp shadows) [default: gouraud]
     #[arg(long, value_parser = parse::choice(&Shading::ALL, Shading::name))]
     pub shading: Option<Shading>,
-    /// Samples along each side of a pixel: 1 to 16
+    /// N x N samples for each pixel, N from 1 to 16 [default: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     pub antialias: Option<u32>,
-    /// Rays over the hemisphere of each sample of --shading gather
+    /// Rays over the hemisphere of each pixel of --shading gather [default: 256]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub gather_rays: Option<u32>,
 }

@@ -85,8 +85,16 @@ fn summary(values: &[Measured], target: &Target) -> String {
     } else {
         0.0
     };
+    let dark = values.iter().filter(|v| v.illuminance == 0.0).count();
+    let remark = match dark {
+        0 => String::new(),
+        _ => format!(
+            "dark      {} points get no light at all: inside an object, or their normals point the wrong way\n",
+            grouped(dark as u64)
+        ),
+    };
     format!(
-        "measured  {} points\nlux       mean {mean:.1}, from {least:.1} to {most:.1}, uniformity (least / mean) {uniformity:.2}\nwrote     {}\n",
+        "measured  {} points\nlux       mean {mean:.1}, from {least:.1} to {most:.1}, uniformity (least / mean) {uniformity:.2}\n{remark}wrote     {}\n",
         grouped(values.len() as u64),
         target.path.display()
     )

@@ -5,6 +5,7 @@ use crate::failure::one_line;
 use crate::report::{Warnings, grouped};
 use crate::solving::percent;
 use glam::Vec3;
+use hemicube::radiosity::patch::NodeKind;
 use hemicube::radiosity::solution::Provenance;
 use hemicube::radiosity::{PatchMesh, Solution};
 use hemicube::raster::Rgb;
@@ -41,6 +42,7 @@ pub struct Facts {
 struct MaterialFacts {
     name: String,
     faces: usize,
+    /// Mean over its lit faces, textures included; the base colour as long as there is no mesh.
     reflectance: Rgb,
     textured: bool,
     emission: Rgb,
@@ -101,6 +103,9 @@ impl Facts {
     /// What its mesh and the rays in it tell.
     pub fn add_mesh(&mut self, mesh: &PatchMesh, probe: &Probe) {
         self.warnings.extend(mesh.report());
+        for (material, mean) in self.materials.iter_mut().zip(mean_reflectance(mesh)) {
+            material.reflectance = mean.unwrap_or(material.reflectance);
+        }
         self.mesh = Some(MeshFacts {
             elements: mesh.elements().len(),
             patches: mesh.patches().len(),
@@ -250,7 +255,11 @@ impl Facts {
             .max()
             .unwrap_or(0)
             .clamp(8, 32);
-        let _ = writeln!(text, "{:width$}  {:>9}  reflectance", "material", "faces");
+        let _ = writeln!(
+            text,
+            "{:width$}  {:>9}  mean reflectance",
+            "material", "faces"
+        );
         for material in used().take(SHOWN_MATERIALS) {
             let _ = writeln!(
                 text,
@@ -271,7 +280,7 @@ impl MaterialFacts {
     fn words(&self) -> String {
         let mut words = rgb(self.reflectance);
         if self.textured {
-            words.push_str(" x texture");
+            words.push_str(", textured");
         }
         if self.transmission > 0.0 {
             let _ = write!(
@@ -319,6 +328,22 @@ fn materials(scene: &Scene) -> Vec<MaterialFacts> {
     scene.materials.iter().zip(faces).map(facts).collect()
 }
 
+/// Area-weighted mean reflectance of each material's elements.
+fn mean_reflectance(mesh: &PatchMesh) -> Vec<Option<Rgb>> {
+    let mut sums = vec![(Rgb::BLACK, 0.0); mesh.scene().materials.len()];
+    for (&id, &reflectance) in mesh.elements().iter().zip(mesh.reflectance()) {
+        let node = mesh.node(id);
+        if let NodeKind::Surface { face, .. } = node.kind {
+            let (sum, area) = &mut sums[mesh.faces()[face as usize].material as usize];
+            *sum += reflectance * node.area;
+            *area += node.area;
+        }
+    }
+    sums.into_iter()
+        .map(|(sum, area)| (area > 0.0).then(|| sum / area))
+        .collect()
+}
+
 fn lights(scene: &Scene) -> Vec<LightFacts> {
     let photometric = scene.units == Units::Photometric;
     let candela = if photometric { "cd" } else { "W/sr" };
@@ -361,16 +386,13 @@ fn rgb(color: Rgb) -> String {
 
 /// A number with about four significant digits.
 fn short(x: f64) -> String {
-    let decimals = match x.abs() {
+    let decimals: i32 = match x.abs() {
         a if a >= 1000.0 => 0,
         a if a >= 100.0 => 1,
         a if a >= 10.0 => 2,
         _ => 3,
     };
-    let text = format!("{x:.decimals$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
+    // Adding 0 takes the sign off what rounds to -0.
+    let rounded = (x * 10_f64.powi(decimals)).round() / 10_f64.powi(decimals) + 0.0;
+    rounded.to_string()
 }

@@ -42,8 +42,19 @@ fn light(scene: &Scene, hints: &mut Vec<String>) {
         ));
     }
     if !scene.has_light() {
-        hints.push(String::from(
-            "black: nothing gives light; make a material emit with --emit MATERIAL=R,G,B or add a sky with --sky R,G,B",
+        let lamps = scene
+            .materials
+            .iter()
+            .zip(&used)
+            .filter(|(m, used)| **used && is_called_lamp(&m.name));
+        let lamps: Vec<String> = lamps.map(|(m, _)| m.name.clone()).collect();
+        let material = if lamps.is_empty() {
+            String::from("a material")
+        } else {
+            listed(&lamps)
+        };
+        hints.push(format!(
+            "black: nothing gives light; make {material} emit with --emit MATERIAL=R,G,B or add a sky with --sky R,G,B",
         ));
     }
 }
@@ -100,9 +111,9 @@ fn lights_and_cameras(mesh: &PatchMesh, hints: &mut Vec<String>) {
 /// Light that back sides swallow.
 fn backs(scene: &Scene, probe: &Probe, hints: &mut Vec<String>) {
     let absorbed = probe.surfaces.share(probe.surfaces.absorbed);
-    if absorbed > NOTICEABLE {
+    if absorbed > 2.5 * NOTICEABLE {
         hints.push(format!(
-            "leak: {} of reflected light ends on back sides, most of it on {}; turn them with --flip NODE, or --double-sided",
+            "leak: {} of reflected light ends on back sides, most of it on {}; if they face the wrong way, --flip NODE, or light both sides with --double-sided",
             percent(absorbed),
             listed(&largest(scene, &probe.on_backs, 0.05 * probe.surfaces.absorbed)),
         ));
@@ -183,6 +194,13 @@ fn is_called_glass(name: &str) -> bool {
         && !["frame", "sill", "fibre", "fiber"]
             .iter()
             .any(|word| name.contains(word))
+}
+
+fn is_called_lamp(name: &str) -> bool {
+    let name = name.to_lowercase();
+    ["light", "lamp", "bulb", "lumin", "emi"]
+        .iter()
+        .any(|word| name.contains(word))
 }
 
 /// For each material whether a placed face has it.

@@ -1,0 +1,180 @@
+//! `hemicube measure` and `hemicube render`.
+
+mod common;
+
+use common::{Folder, is_png, small};
+
+#[test]
+fn scene_and_its_lit_file_measure_the_same() {
+    let folder = Folder::new();
+    folder.write(
+        "in.csv",
+        "name;nz;ny;nx;x;y;z\n\"a;b\";0;2;0;100;1;100\n# a remark\n\nfar;0;-1;0;1e6;1e6;0\n",
+    );
+    folder.done(&small(&[
+        "solve", "cornell", "-o", "lit.glb", "--seed", "7",
+    ]));
+    let from_lit = folder.done(&["measure", "lit.glb", "--points", "in.csv"]);
+    let summary = folder.done(&small(&[
+        "measure", "cornell", "--seed", "7", "--points", "in.csv", "-o", "out.csv",
+    ]));
+    assert_eq!(folder.text("out.csv"), from_lit, "the same bits");
+    assert!(
+        summary.contains("2 points") && summary.contains("out.csv"),
+        "{summary}"
+    );
+    let lines: Vec<&str> = from_lit.lines().collect();
+    assert_eq!(
+        lines[0], "name;nz;ny;nx;x;y;z;irradiance_r;irradiance_g;irradiance_b;illuminance",
+        "the header"
+    );
+    assert!(
+        lines[1].starts_with("\"a;b\";0;2;0;100;1;100;"),
+        "columns are passed through: {}",
+        lines[1]
+    );
+    let value = |line: &str, from_end: usize| -> f32 {
+        line.rsplit(';')
+            .nth(from_end)
+            .and_then(|field| field.parse().ok())
+            .unwrap_or(f32::NAN)
+    };
+    assert!(value(lines[1], 0) > 0.0, "the floor is lit: {}", lines[1]);
+    let weighted =
+        0.2126 * value(lines[1], 3) + 0.7152 * value(lines[1], 2) + 0.0722 * value(lines[1], 1);
+    assert!(
+        (value(lines[1], 0) / (179.0 * weighted) - 1.0).abs() < 1e-4,
+        "radiometric scenes: 179 lm/W"
+    );
+}
+
+#[test]
+fn bad_points_are_refused_by_line() {
+    let folder = Folder::new();
+    for (text, wanted) in [
+        (
+            "x,y,z,nx,ny,nz\n1,2,3,0,1,0\n1,2,3,0,0,0\n",
+            "line 3: its normal",
+        ),
+        (
+            "x,y,z,nx,ny,nz\n1,2,nan,0,1,0\n",
+            "line 2: z 'nan' is not a finite number",
+        ),
+        ("x,y,z,nx,ny\n1,2,3,0,1\n", "no column nz"),
+    ] {
+        folder.write("in.csv", text);
+        let error = folder.fails(
+            1,
+            &["measure", "furnace", "--points", "in.csv", "-o", "out.csv"],
+        );
+        assert!(
+            error.contains("in.csv: ") && error.contains(wanted),
+            "{error}"
+        );
+    }
+    assert_eq!(folder.files(), ["in.csv"], "no output");
+}
+
+#[test]
+fn points_come_from_standard_input_too() {
+    use std::io::Write as _;
+    let folder = Folder::new();
+    let args = small(&["measure", "furnace", "--points", "-", "--quiet"]);
+    let mut child = folder
+        .command(&args)
+        .stdin(std::process::Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut input = child.stdin.take().expect("its input is ours");
+    input.write_all(b"0.5,0.5,0.5,0,0,1\n").expect("it reads");
+    drop(input);
+    let output = child.wait_with_output().expect("it ends");
+    assert!(
+        output.stdout.starts_with(b"x,y,z,nx,ny,nz,irradiance_r"),
+        "a header is added"
+    );
+}
+
+#[test]
+fn drawing_twice_gives_the_same_bytes() {
+    let folder = Folder::new();
+    folder.done(&small(&["solve", "cornell", "-o", "lit.glb"]));
+    for shading in ["flat", "gouraud", "gather"] {
+        let draw = |name: &str| {
+            let args = [
+                "render",
+                "lit.glb",
+                "-o",
+                name,
+                "--size",
+                "24x24",
+                "--shading",
+                shading,
+            ];
+            folder.done(&[&args[..], &["--gather-rays", "16", "--antialias", "2"]].concat());
+            folder.read(name)
+        };
+        assert_eq!(draw("a.png"), draw("b.png"), "{shading}");
+        assert!(is_png(&folder.path("a.png")), "{shading}");
+    }
+    folder.done(&[
+        "render",
+        "lit.glb",
+        "-o",
+        "VIEW.EXR",
+        "--size",
+        "24x24",
+        "--eye",
+        "-1,2,-800",
+        "--fov",
+        "40",
+    ]);
+    assert!(
+        folder
+            .read("VIEW.EXR")
+            .starts_with(&[0x76, 0x2f, 0x31, 0x01]),
+        "an OpenEXR file"
+    );
+}
+
+#[test]
+fn size_follows_the_camera() {
+    let folder = Folder::new();
+    let report = folder.json(&small(&[
+        "render",
+        "cornell",
+        "-o",
+        "view.png",
+        "--antialias",
+        "1",
+    ]));
+    assert_eq!(
+        (&report["width"], &report["height"]),
+        (&720.into(), &720.into()),
+        "the Cornell box is square"
+    );
+    assert_eq!(report["camera"], "front", "the scene's first camera");
+}
+
+#[test]
+fn unknown_camera_lists_the_known_ones_before_the_work() {
+    let folder = Folder::new();
+    let error = folder.fails(
+        1,
+        &[
+            "render",
+            "two-rooms",
+            "--quality",
+            "final",
+            "-o",
+            "v.png",
+            "--camera",
+            "attic",
+        ],
+    );
+    assert!(
+        error.contains("attic") && error.contains("doorway"),
+        "{error}"
+    );
+    assert!(folder.files().is_empty(), "no output");
+}

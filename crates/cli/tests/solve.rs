@@ -1,0 +1,295 @@
+//! `hemicube solve`: files, reports, going on.
+
+mod common;
+
+use common::{Folder, is_png, small};
+
+const POINTS: &str = "x,y,z,nx,ny,nz\n100,1,100,0,1,0\n278,300,279,0,1,0\n400,1,400,0,1,0\n";
+
+#[test]
+fn furnace_has_the_closed_form_and_both_files() {
+    let folder = Folder::new();
+    let report = folder.json(&small(&[
+        "solve", "furnace", "-o", "lit.glb", "--image", "view.png", "--size", "60x40",
+    ]));
+    assert!(is_png(&folder.path("view.png")), "a picture");
+    assert_eq!(
+        report["files"],
+        serde_json::json!(["lit.glb", "view.png"]),
+        "the files that were written"
+    );
+    assert_eq!(report["stopped"], "finished", "within the tolerance");
+    for band in report["balance"]
+        .as_array()
+        .expect("a balance for each band")
+    {
+        let number = |name: &str| band[name].as_f64().expect("a number");
+        let sum = number("absorbed") + number("unshot") + number("escaped");
+        assert!(
+            (number("emitted") - sum).abs() <= 1e-5 * number("emitted"),
+            "energy balances: {band}"
+        );
+        assert!(number("relative_error") < 1e-5, "and says so: {band}");
+    }
+    // B = E / (1 - rho) = 2, so every point receives 2.
+    folder.write("in.csv", "0.5,0.5,0.5,0,1,0\n");
+    let measured = folder.json(&["measure", "lit.glb", "--points", "in.csv"]);
+    let irradiance = measured["points"][0]["irradiance"][0]
+        .as_f64()
+        .expect("a number");
+    assert!(
+        (irradiance - 2.0).abs() < 0.01,
+        "irradiance {irradiance}, up to what is unshot"
+    );
+}
+
+#[test]
+fn report_for_people_tells_all() {
+    let folder = Folder::new();
+    let text = folder.done(&small(&["solve", "cornell"]));
+    for word in [
+        "cornell", "elements", "patches", "steps", "rays", "unshot", "emitted", "absorbed",
+        "escaped", "error",
+    ] {
+        assert!(text.contains(word), "'{word}' in {text}");
+    }
+    assert!(
+        folder.files().is_empty(),
+        "no file was asked for: {:?}",
+        folder.files()
+    );
+}
+
+#[test]
+fn resuming_equals_one_go() {
+    let folder = Folder::new();
+    folder.write("in.csv", POINTS);
+    folder.done(&small(&[
+        "solve",
+        "cornell",
+        "-o",
+        "whole.glb",
+        "--tolerance",
+        "0",
+        "--iterations",
+        "120",
+    ]));
+    folder.done(&small(&[
+        "solve",
+        "cornell",
+        "-o",
+        "half.glb",
+        "--tolerance",
+        "0",
+        "--iterations",
+        "50",
+    ]));
+    folder.done(&[
+        "solve",
+        "--resume",
+        "half.glb",
+        "-o",
+        "more.glb",
+        "--tolerance",
+        "0",
+        "--iterations",
+        "70",
+    ]);
+    let values = |lit: &str| folder.done(&["measure", lit, "--points", "in.csv", "-q"]);
+    assert_eq!(
+        values("more.glb"),
+        values("whole.glb"),
+        "the same values to the bit"
+    );
+    assert_ne!(
+        values("half.glb"),
+        values("whole.glb"),
+        "and not because nothing happened"
+    );
+    let info = folder.json(&["info", "more.glb"]);
+    assert_eq!(info["solution"]["steps"], 120, "steps go on counting");
+}
+
+#[test]
+fn resuming_may_overwrite_its_own_file() {
+    let folder = Folder::new();
+    folder.done(&small(&[
+        "solve",
+        "furnace",
+        "-o",
+        "lit.glb",
+        "--iterations",
+        "10",
+    ]));
+    folder.done(&[
+        "solve",
+        "lit.glb",
+        "--resume",
+        "lit.glb",
+        "-o",
+        "lit.glb",
+        "--iterations",
+        "10",
+    ]);
+    assert_eq!(
+        folder.json(&["info", "lit.glb"])["solution"]["steps"],
+        20,
+        "ten and ten"
+    );
+    assert_eq!(folder.files(), ["lit.glb"], "and nothing beside it");
+}
+
+#[test]
+fn lit_file_is_a_scene_too() {
+    let folder = Folder::new();
+    folder.done(&small(&[
+        "solve",
+        "furnace",
+        "-o",
+        "lit.glb",
+        "--reflectance",
+        "*=0.25",
+    ]));
+    let again = folder.json(&small(&["solve", "lit.glb"]));
+    // A closed scene absorbs what is emitted, whatever it reflects.
+    let (emitted, absorbed) = (
+        again["balance"][0]["emitted"].as_f64(),
+        again["balance"][0]["absorbed"].as_f64(),
+    );
+    assert!(
+        emitted > Some(0.0) && absorbed > emitted.map(|e| 0.99 * e),
+        "solved afresh: {again}"
+    );
+    let info = folder.json(&["info", "lit.glb"]);
+    assert_eq!(
+        info["materials"][0]["reflectance"]["r"].as_f64(),
+        Some(0.25),
+        "as it was adjusted: {}",
+        info["materials"]
+    );
+}
+
+#[test]
+fn threads_change_nothing() {
+    let folder = Folder::new();
+    folder.write("in.csv", POINTS);
+    let solve = |threads, lit| {
+        folder.done(&small(&[
+            "solve",
+            "cornell",
+            "--threads",
+            threads,
+            "-o",
+            lit,
+        ]))
+    };
+    solve("1", "one.glb");
+    solve("2", "two.glb");
+    let values = |lit: &str, threads: &str| {
+        folder.done(&["measure", lit, "--points", "in.csv", "--threads", threads])
+    };
+    assert_eq!(
+        values("one.glb", "1"),
+        values("two.glb", "2"),
+        "the same bits"
+    );
+    let picture = |lit, name, threads| {
+        folder.done(&[
+            "render",
+            lit,
+            "-o",
+            name,
+            "--size",
+            "48x48",
+            "--threads",
+            threads,
+        ]);
+        folder.read(name)
+    };
+    assert_eq!(
+        picture("one.glb", "1.png", "1"),
+        picture("two.glb", "2.png", "2"),
+        "the same picture"
+    );
+}
+
+#[test]
+fn time_ends_it_with_a_file_to_go_on_from() {
+    let folder = Folder::new();
+    let output = folder.run(&[
+        "solve",
+        "two-rooms",
+        "--quality",
+        "final",
+        "--tolerance",
+        "0",
+        "--time",
+        "300ms",
+        "-o",
+        "lit.glb",
+    ]);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{errors}");
+    assert!(
+        errors.contains("time is up") && errors.contains("--resume lit.glb"),
+        "{errors}"
+    );
+    assert!(
+        folder.json(&["info", "lit.glb"])["solution"]["unshot_fraction"].as_f64() > Some(0.0),
+        "not finished"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn first_interrupt_writes_what_was_reached() {
+    let folder = Folder::new();
+    let args = [
+        "solve",
+        "two-rooms",
+        "--quality",
+        "final",
+        "--tolerance",
+        "0",
+        "-o",
+        "lit.glb",
+    ];
+    let child = folder.command(&args).spawn().expect("the program starts");
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    let kill = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(
+        kill.is_ok_and(|status| status.success()),
+        "the signal is sent"
+    );
+    let output = child.wait_with_output().expect("the program ends");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{errors}");
+    assert!(
+        errors.contains("stopped at") && errors.contains("go on with --resume lit.glb"),
+        "{errors}"
+    );
+    assert_eq!(folder.files(), ["lit.glb"], "the file and nothing else");
+    assert_eq!(
+        folder.json(&["info", "lit.glb"])["solution"]["solver"],
+        "ambient-shooting",
+        "it can be read"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn files_have_the_usual_permissions() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = Folder::new();
+    folder.write("plain", "");
+    folder.done(&small(&["solve", "furnace", "-o", "lit.glb"]));
+    let mode = |name: &str| {
+        std::fs::metadata(folder.path(name))
+            .expect("it is there")
+            .permissions()
+            .mode()
+    };
+    assert_eq!(mode("lit.glb"), mode("plain"), "as any new file");
+}
