@@ -26,8 +26,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// A pair costs about as much as this many rays of a shot; pairs are taken where they are not dearer than a shot would
 /// be, because they are free of noise.
 const RAYS_PER_PAIR: f64 = 1.0 / 16.0;
-/// Pairs that all emitters together may cost.
-const PAIRS_FOR_EMITTERS: usize = 12_000_000;
 /// Most rays of one pair and of one shot.
 const MAX_PAIR_RAYS: u32 = 64;
 const MAX_SHOT_RAYS: f64 = 262_144.0;
@@ -37,7 +35,7 @@ const MIN_SHOT_RAYS: f64 = 64.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayCastOptions {
     /// Rays that an element's hemisphere gets, shared among the patches by their form factors; a shot casts as many per
-    /// element of average area. Default value: 512.
+    /// element of average area and average radiosity. Default value: 512.
     pub rays: u32,
     /// Way to the factors. Default value: chosen by the size of the scene.
     pub strategy: Strategy,
@@ -48,7 +46,7 @@ pub struct RayCastOptions {
 /// Way to the factors of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Strategy {
-    /// Pairs for patches so large that a shot would cost as much, and for emitters; shots for the others.
+    /// Pairs for patches so large or bright that a shot would cost as much, shots for the others.
     Automatic,
     /// Always pairs.
     Pairs,
@@ -72,7 +70,8 @@ pub struct RayCast {
     mesh: Arc<PatchMesh>,
     options: RayCastOptions,
     bands: usize,
-    pairs_for_emitters: bool,
+    /// Of each patch: its share of rays beyond that of its area.
+    brightness: Vec<f64>,
     mean_element_area: f64,
     rays: AtomicU64,
 }
@@ -81,7 +80,6 @@ impl RayCast {
     /// Factors between the nodes of a mesh.
     pub fn new(mesh: Arc<PatchMesh>, options: RayCastOptions) -> Self {
         let elements = mesh.elements().len();
-        let emitting_patches = mesh.patches().iter().filter(|&&p| emits(&mesh, p)).count();
         let total: f64 = mesh
             .elements()
             .iter()
@@ -89,8 +87,8 @@ impl RayCast {
             .sum();
         Self {
             bands: if mesh.visibility().is_tinted() { 3 } else { 1 },
-            pairs_for_emitters: emitting_patches.saturating_mul(elements) <= PAIRS_FOR_EMITTERS,
             mean_element_area: total / elements.max(1) as f64,
+            brightness: brightness(&mesh, total),
             rays: AtomicU64::new(0),
             options: RayCastOptions {
                 rays: options.rays.max(1),
@@ -100,9 +98,14 @@ impl RayCast {
         }
     }
 
-    /// Rays that a shot of this patch would take.
-    fn shot_rays(&self, area: f64) -> f64 {
-        f64::from(self.options.rays) * area / self.mean_element_area
+    /// Rays that a shot of this patch would take: every ray of the scene carries about the same flux.
+    fn shot_rays(&self, source: NodeId) -> f64 {
+        let brightness = self
+            .mesh
+            .patch_of_node(source)
+            .map_or(1.0, |patch| self.brightness[patch]);
+        let area = f64::from(self.mesh.node(source).area);
+        f64::from(self.options.rays) * brightness * area / self.mean_element_area
     }
 
     fn takes_pairs(&self, source: NodeId) -> bool {
@@ -111,9 +114,7 @@ impl RayCast {
             Strategy::Shots => false,
             Strategy::Automatic => {
                 let pairs = self.mesh.elements().len() as f64;
-                let area = f64::from(self.mesh.node(source).area);
-                pairs * RAYS_PER_PAIR <= self.shot_rays(area)
-                    || (self.pairs_for_emitters && emits(&self.mesh, source))
+                pairs * RAYS_PER_PAIR <= self.shot_rays(source)
             }
         }
     }
@@ -264,7 +265,7 @@ impl RayCast {
     fn shots(&self, source: NodeId, row: &mut Row) {
         let mesh = &*self.mesh;
         let from = Shooter::new(mesh, source);
-        let rays = ray_count(self.shot_rays(from.area), MIN_SHOT_RAYS, MAX_SHOT_RAYS);
+        let rays = ray_count(self.shot_rays(source), MIN_SHOT_RAYS, MAX_SHOT_RAYS);
         let tallies = self.cast(&from, rays, |arrivals: &mut Vec<(u32, Rgb)>, hit, taken| {
             let element = mesh
                 .element_at(hit.face, hit.side, hit.point)
@@ -404,6 +405,32 @@ fn exposed_parts(mesh: &PatchMesh, id: NodeId) -> Vec<(f32, ExposedArea)> {
             (sum, part)
         })
         .collect()
+}
+
+/// `1 + E / B̄` of each patch, where `B̄ = Σ E A / (1 - ρ̄) Σ A` is what the mean radiosity of a closed scene would be.
+fn brightness(mesh: &PatchMesh, total_area: f64) -> Vec<f64> {
+    let area = |e: usize| f64::from(mesh.exposed_area(e));
+    let exitance = |e: usize| f64::from(mesh.emission()[e].max_band());
+    let elements = 0..mesh.elements().len();
+    let flux: f64 = elements.clone().map(|e| exitance(e) * area(e)).sum();
+    let reflected: f64 = elements
+        .map(|e| f64::from(mesh.reflectance()[e].max_band()) * area(e))
+        .sum();
+    let mean = flux
+        / (total_area - reflected)
+            .max(1e-6 * total_area)
+            .max(f64::MIN_POSITIVE);
+    let of_patch = |patch| {
+        let elements = mesh.elements_of_patch(patch);
+        let flux: f64 = elements.clone().map(|e| exitance(e) * area(e)).sum();
+        let exposed: f64 = elements.map(area).sum();
+        if flux > 0.0 {
+            1.0 + flux / exposed / mean
+        } else {
+            1.0
+        }
+    };
+    (0..mesh.patches().len()).map(of_patch).collect()
 }
 
 /// Makes a row account for everything: the rest goes to backs and outside in proportion, an excess is scaled away.

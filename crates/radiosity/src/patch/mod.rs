@@ -579,7 +579,7 @@ impl PatchMesh {
             unreachable!("elements are surfaces")
         };
         let face = &self.faces[face as usize];
-        let samples = if self.varies(face) { 32 } else { 1 };
+        let samples = if self.varies(face) { 128 } else { 1 };
         let polygon = self.polygon(id);
         let mut sums = [Rgb::BLACK; 3];
         for i in 0..samples {
@@ -714,9 +714,9 @@ fn size_for_count(faces: &[WorldFace], sided: impl Fn(&WorldFace) -> usize, coun
     for _ in 0..24 {
         let middle = (low * high).sqrt();
         if cells(middle) > count {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     high
