@@ -203,7 +203,7 @@ fn a_mask_lets_light_through_its_holes() {
     let mut builder = floor();
     // Every other texel is a hole; nearest rows of texels run across the pane.
     let texel = |i: usize| {
-        if i % 2 == 0 {
+        if i.is_multiple_of(2) {
             [255, 255, 255, 0]
         } else {
             [255, 255, 255, 255]

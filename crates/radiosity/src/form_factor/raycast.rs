@@ -1,7 +1,7 @@
 //! Form factors with visibility by casting rays, two ways.
 //!
 //! *Pairs* (after Wallace, Elmquist, Haines 1989): the unoccluded factor to every element in front, computed by
-//! [`exchange_area`](super::polygon::exchange_area), times the share of rays between points of both that get through.
+//! [`exchange_area`], times the share of rays between points of both that get through.
 //! Unoccluded light is free of noise; the error is that of visibility, at most about `1/(2√k)` of the factor where `k`
 //! rays meet a shadow edge, and that geometry and visibility are taken as independent within one pair.
 //!
