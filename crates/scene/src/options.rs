@@ -3,7 +3,7 @@
 //! [`SceneOptions`] hold what the command line and other callers can ask, [`Scene::apply`] does it. The parsers
 //! ([`parse_rgb`], [`parse_named_rgb`] and `FromStr` of the enums) are here, so that all callers speak the same language.
 
-use crate::scene::Units;
+use crate::scene::{MAX_LIGHT, Units};
 use crate::{Camera, LightKind, Material, Projection, Scene, SceneError};
 use glam::{Affine3A, Mat3, Vec3};
 use hemicube_raster::Rgb;
@@ -367,7 +367,7 @@ impl Scene {
             in_range(
                 *radiance,
                 &format!("emit {}: radiance", quoted(glob)),
-                f32::INFINITY,
+                MAX_LIGHT,
             )?;
         }
         for (glob, reflectance) in &options.reflectance {
@@ -380,7 +380,7 @@ impl Scene {
             }
         }
         if let Some(radiance) = options.sky {
-            in_range(radiance, "sky: radiance", f32::INFINITY)?;
+            in_range(radiance, "sky: radiance", MAX_LIGHT)?;
         }
         let bound = options.max_reflectance;
         if !(bound > 0.0 && bound <= 1.0) {

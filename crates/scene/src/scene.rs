@@ -2,12 +2,16 @@
 
 use crate::options::MAX_REFLECTANCE;
 use crate::{
-    Camera, Face, ImportReport, Instance, Light, Material, Mesh, MetalsAs, SceneError, Texture,
-    TextureImage,
+    Camera, Face, ImportReport, Instance, Light, LightKind, Material, Mesh, MetalsAs, SceneError,
+    Texture, TextureImage,
 };
 use glam::Vec3;
 use hemicube_raster::Rgb;
 use serde::{Deserialize, Serialize};
+
+/// Most radiance, irradiance or intensity of a source: a million times that of the sun. Fluxes of large sources stay in
+/// the range of f32.
+pub const MAX_LIGHT: f32 = 1e15;
 
 /// A scene: geometry, materials, lights and cameras in one right-handed world, +Y up.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -164,13 +168,14 @@ impl Scene {
                 ));
             }
         }
-        if !self.sky.is_finite() || self.sky.to_array().iter().any(|&band| band < 0.0) {
-            return fail(format!(
-                "sky radiance {:?} is negative or not finite",
-                self.sky.to_array()
-            ));
+        for (i, light) in self.lights.iter().enumerate() {
+            let light = match light.kind {
+                LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => intensity,
+                LightKind::Directional { irradiance, .. } => irradiance,
+            };
+            check_light(light, || format!("light {i}: intensity"))?;
         }
-        Ok(())
+        check_light(self.sky, || String::from("sky radiance"))
     }
 
     fn check_material(&self, material: &Material) -> Result<(), SceneError> {
@@ -181,14 +186,7 @@ impl Scene {
                 "material '{name}': a factor is not finite"
             )));
         }
-        if !material.emission.is_finite()
-            || material.emission.to_array().iter().any(|&band| band < 0.0)
-        {
-            let emission = material.emission.to_array();
-            return Err(SceneError::Check(format!(
-                "material '{name}': emission {emission:?} is negative or not finite"
-            )));
-        }
+        check_light(material.emission, || format!("material '{name}': emission"))?;
         let slots = [
             material.base_color_texture,
             material.metallic_texture,
@@ -242,4 +240,17 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// Refuses light that is negative, not finite or too much.
+fn check_light(light: Rgb, what: impl Fn() -> String) -> Result<(), SceneError> {
+    let bands = light.to_array();
+    let problem = if bands.iter().any(|&band| band.is_nan() || band < 0.0) || !light.is_finite() {
+        String::from("is negative or not finite")
+    } else if light.max_band() > MAX_LIGHT {
+        format!("is above {MAX_LIGHT:e}, the most that can be computed with")
+    } else {
+        return Ok(());
+    };
+    Err(SceneError::Check(format!("{} {bands:?} {problem}", what())))
 }

@@ -90,28 +90,14 @@ fn gallery() -> bool {
         ];
         cargo(&[&prefix[..], args].concat(), &[])
     };
-    run(&[
-        "solve",
-        "office",
-        "--image",
-        "assets/office.png",
-        "--size",
-        "1280x720",
-    ]) && shots.iter().all(|shot| {
-        let file = format!("assets/cornell-{shot}.png");
-        run(&[
-            "solve",
-            "cornell",
-            "--iterations",
-            shot,
-            "--image",
-            &file,
-            "--size",
-            "400x400",
-            "--exposure",
-            "1",
-        ])
-    })
+    let office = "solve office --quality final --size 960x540 --image assets/office.png";
+    let cornell = "solve cornell --solver sorted-shooting --size 400x400 --exposure 1";
+    run(&office.split(' ').collect::<Vec<_>>())
+        && shots.iter().all(|shots| {
+            let picture = format!("assets/cornell-{shots}.png");
+            let options = ["--iterations", shots, "--image", &picture];
+            run(&[&cornell.split(' ').collect::<Vec<_>>()[..], &options].concat())
+        })
 }
 
 /// Runs cargo and says what it runs.

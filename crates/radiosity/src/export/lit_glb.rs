@@ -11,7 +11,7 @@ use crate::error::RadiosityError;
 use crate::patch::{PatchMesh, PatchOptions};
 use crate::solution::{Solution, SolutionData};
 use core::f32::consts::PI;
-use glam::{Mat3, Quat};
+use glam::{Mat3, Quat, Vec3};
 use hemicube_raster::Rgb;
 use hemicube_raster::tonemap::{Exposure, ToneMap};
 use hemicube_scene::gltf::container;
@@ -20,6 +20,7 @@ use hemicube_scene::{
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Layout of the buffer view of ours; another number is another layout.
@@ -28,11 +29,12 @@ const VERSION: u64 = 1;
 /// How a lit `.glb` is written.
 #[derive(Debug, Clone)]
 pub struct LitGlbOptions {
-    /// Exposure of the stored colours. Default value: automatic.
+    /// Exposure of the stored colours. Default value: automatic, and then so low that hardly any light is cut off.
     pub exposure: Exposure,
     /// Tone map of the emitters' colours. Default value: Reinhard.
     pub tone_map: ToneMap,
-    /// Added to the irradiance that is shown (an ambient estimate). Default value: black.
+    /// Added to the irradiance that the colours show, not to the one that is stored (an ambient estimate). Default
+    /// value: black.
     pub ambient: Rgb,
     /// Report kept in `extras.hemicube.report`. Default value: null.
     pub report: Value,
@@ -52,7 +54,7 @@ impl Default for LitGlbOptions {
 /// What is needed to build the same mesh and go on with the same solution.
 #[derive(Serialize, Deserialize)]
 struct State<'a> {
-    scene: std::borrow::Cow<'a, Scene>,
+    scene: Cow<'a, Scene>,
     mesh: PatchOptions,
     solution: SolutionData,
 }
@@ -64,22 +66,18 @@ struct State<'a> {
 pub fn write(solution: &Solution, options: &LitGlbOptions) -> Result<Vec<u8>, RadiosityError> {
     let mut file = Builder::default();
     let scene = solution.mesh().scene();
-    let drawn = DrawnMesh::new(solution, options.ambient);
-    let exposure = options
-        .exposure
-        .factor((0..solution.mesh().elements().len()).map(|e| {
-            let reflected = solution.mesh().reflectance()[e] * solution.element_irradiance(e);
-            (reflected / PI).luminance()
-        }));
+    let drawn = DrawnMesh::new(solution, Rgb::BLACK);
+    let exposure = exposure_factor(solution, options);
     let look = Look {
         exposure,
         tone_map: options.tone_map,
+        ambient: options.ambient,
     };
     file.images(scene);
     file.primitives(solution, &drawn, look);
     file.cameras(scene);
     let state = State {
-        scene: std::borrow::Cow::Borrowed(scene),
+        scene: Cow::Borrowed(scene),
         mesh: solution.mesh().options(),
         solution: solution.data(),
     };
@@ -93,11 +91,49 @@ pub fn write(solution: &Solution, options: &LitGlbOptions) -> Result<Vec<u8>, Ra
     file.finish()
 }
 
-/// Exposure and tone map of the stored colours.
+/// The exposure of the stored colours.
+///
+/// An automatic one is lowered until at most [`CUT_SHARE`] of the area that reflects has a band of exposure × H/π
+/// above 1: no tone curve comes after it, so whatever is above is lost.
+fn exposure_factor(solution: &Solution, options: &LitGlbOptions) -> f32 {
+    let mesh = solution.mesh();
+    let irradiance = |e: usize| solution.element_irradiance(e) + options.ambient;
+    let elements = || 0..mesh.elements().len();
+    let factor = options
+        .exposure
+        .factor(elements().map(|e| (mesh.reflectance()[e] * irradiance(e) / PI).luminance()));
+    if options.exposure != Exposure::Auto {
+        return factor;
+    }
+    let mut lit: Vec<(f32, f64)> = elements()
+        .filter(|&e| mesh.emission()[e].is_black() && !mesh.reflectance()[e].is_black())
+        .map(|e| {
+            let area = f64::from(mesh.exposed_area(e));
+            (irradiance(e).max_band() / PI, area)
+        })
+        .filter(|(light, _)| light.is_finite())
+        .collect();
+    lit.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    let mut left = CUT_SHARE * lit.iter().map(|(_, area)| area).sum::<f64>();
+    let brightest_kept = lit.iter().find(|(_, area)| {
+        left -= area;
+        left < 0.0
+    });
+    match brightest_kept {
+        Some(&(light, _)) if light * factor > 1.0 => light.recip(),
+        _ => factor,
+    }
+}
+
+/// Share of the reflecting area whose light may be cut off at 1.
+const CUT_SHARE: f64 = 0.02;
+
+/// How light becomes the stored colours.
 #[derive(Clone, Copy)]
 struct Look {
     exposure: f32,
     tone_map: ToneMap,
+    ambient: Rgb,
 }
 
 /// Collects the parts of the file.
@@ -109,6 +145,10 @@ struct Builder {
     nodes: Vec<Value>,
     meshes: Vec<Value>,
     materials: Vec<Value>,
+    samplers: Vec<Value>,
+    textures: Vec<Value>,
+    /// For each of the scene's textures the one in the file.
+    texture_of: Vec<Option<usize>>,
     transforms_used: bool,
     root: Map<String, Value>,
 }
@@ -164,6 +204,7 @@ impl Builder {
     }
 
     fn images(&mut self, scene: &Scene) {
+        self.texture_of = vec![None; scene.textures.len()];
         if scene.images.is_empty() {
             return;
         }
@@ -171,32 +212,17 @@ impl Builder {
             .images
             .iter()
             .map(|image| {
-                let view = self.view(image.encoded(), None);
+                let view = self.view(&without_color_space(image.encoded()), None);
                 json!({ "name": image.name, "bufferView": view, "mimeType": image.media_type() })
             })
             .collect();
-        let samplers: Vec<Value> = scene
-            .textures
-            .iter()
-            .map(|t| json!({ "wrapS": wrap_code(t.wrap[0]), "wrapT": wrap_code(t.wrap[1]), "magFilter": 9729, "minFilter": 9987 }))
-            .collect();
-        let textures: Vec<Value> = scene
-            .textures
-            .iter()
-            .enumerate()
-            .map(|(sampler, texture)| json!({ "source": texture.image, "sampler": sampler }))
-            .collect();
         self.root.insert(String::from("images"), json!(images));
-        if !textures.is_empty() {
-            self.root.insert(String::from("samplers"), json!(samplers));
-            self.root.insert(String::from("textures"), json!(textures));
-        }
     }
 
     /// One node and mesh for each instance, one primitive for each of its materials.
     fn primitives(&mut self, solution: &Solution, drawn: &DrawnMesh, look: Look) {
         let scene = solution.mesh().scene().clone();
-        let mut materials = vec![None; scene.materials.len()];
+        let mut materials = vec![[None; 2]; scene.materials.len()];
         let mut start = 0;
         while start < drawn.parts.len() {
             let instance = drawn.parts[start].instance;
@@ -205,15 +231,22 @@ impl Builder {
                     .iter()
                     .take_while(|p| p.instance == instance)
                     .count();
-            let primitives: Vec<Value> = drawn.parts[start..end]
-                .iter()
-                .map(|part| {
-                    let material = *materials[part.material].get_or_insert_with(|| {
-                        self.material(&scene, &scene.materials[part.material])
+            let mut primitives = Vec::new();
+            for whole in &drawn.parts[start..end] {
+                for (kind, part) in [false, true].into_iter().zip(by_emission(solution, whole)) {
+                    if part.triangles.is_empty() {
+                        continue;
+                    }
+                    let source = &scene.materials[part.material];
+                    let material = *materials[part.material][usize::from(kind)]
+                        .get_or_insert_with(|| self.material(&scene, source, kind));
+                    primitives.push(if kind {
+                        self.emitter_primitive(solution, drawn, &part, material, look)
+                    } else {
+                        self.primitive(solution, drawn, &part, material, look)
                     });
-                    self.primitive(solution, drawn, part, material, look)
-                })
-                .collect();
+                }
+            }
             self.meshes
                 .push(json!({ "name": scene.instances[instance].node, "primitives": primitives }));
             self.nodes.push(
@@ -223,11 +256,18 @@ impl Builder {
         }
     }
 
-    /// The unlit twin of a material.
-    fn material(&mut self, scene: &Scene, material: &Material) -> usize {
+    /// The unlit twin of a material, for its triangles that emit or for those that do not.
+    fn material(&mut self, scene: &Scene, material: &Material, emitting: bool) -> usize {
         let mut look = json!({ "metallicFactor": 0.0, "roughnessFactor": 1.0 });
-        let mut alpha = material.alpha.clamp(0.0, 1.0);
-        if !material.emits() {
+        let mut mode = material.alpha_mode;
+        if emitting {
+            // Light and opacity are in the colours of the vertices.
+            mode = if material.may_transmit() {
+                AlphaMode::Blend
+            } else {
+                AlphaMode::Opaque
+            };
+        } else {
             let shown = if scene.metals == MetalsAs::Black {
                 1.0 - material.metallic
             } else {
@@ -237,10 +277,18 @@ impl Builder {
                 .base_color
                 .map(|c| (c * shown).clamp(0.0, 1.0))
                 .to_array();
-            alpha *= 1.0 - material.transmission;
-            look["baseColorFactor"] = json!([r, g, b, alpha]);
+            let opaque = 1.0 - material.transmission * (1.0 - material.metallic);
+            let alpha = if mode == AlphaMode::Opaque {
+                opaque
+            } else {
+                material.alpha * opaque
+            };
+            look["baseColorFactor"] = json!([r, g, b, alpha.clamp(0.0, 1.0)]);
             if let Some(slot) = material.base_color_texture {
-                look["baseColorTexture"] = self.texture(slot);
+                look["baseColorTexture"] = self.texture(scene, slot);
+            }
+            if mode == AlphaMode::Opaque && opaque < 1.0 {
+                mode = AlphaMode::Blend;
             }
         }
         let mut out = json!({
@@ -248,21 +296,34 @@ impl Builder {
             "pbrMetallicRoughness": look,
             "extensions": { "KHR_materials_unlit": {} },
         });
-        match material.alpha_mode {
+        match mode {
             AlphaMode::Mask { cutoff } => {
                 out["alphaMode"] = json!("MASK");
                 out["alphaCutoff"] = json!(cutoff.max(0.0));
             }
             AlphaMode::Blend => out["alphaMode"] = json!("BLEND"),
-            AlphaMode::Opaque if material.transmission > 0.0 => out["alphaMode"] = json!("BLEND"),
             AlphaMode::Opaque => {}
         }
         self.materials.push(out);
         self.materials.len() - 1
     }
 
-    fn texture(&mut self, slot: TextureSlot) -> Value {
-        let mut texture = json!({ "index": slot.texture });
+    fn texture(&mut self, scene: &Scene, slot: TextureSlot) -> Value {
+        let index = self.texture_of[slot.texture].unwrap_or_else(|| {
+            let texture = scene.textures[slot.texture];
+            let sampler = json!({ "wrapS": wrap_code(texture.wrap[0]), "wrapT": wrap_code(texture.wrap[1]),
+                "magFilter": 9729, "minFilter": 9987 });
+            let known = self.samplers.iter().position(|s| *s == sampler);
+            let sampler = known.unwrap_or_else(|| {
+                self.samplers.push(sampler);
+                self.samplers.len() - 1
+            });
+            self.textures
+                .push(json!({ "source": texture.image, "sampler": sampler }));
+            self.textures.len() - 1
+        });
+        self.texture_of[slot.texture] = Some(index);
+        let mut texture = json!({ "index": index });
         if slot.transform != glam::Affine2::IDENTITY {
             self.transforms_used = true;
             let (scale, angle, offset) = slot.transform.to_scale_angle_translation();
@@ -280,61 +341,59 @@ impl Builder {
         material: usize,
         look: Look,
     ) -> Value {
-        let scene = solution.mesh().scene();
-        let source = &scene.materials[part.material];
+        let source = &solution.mesh().scene().materials[part.material];
         let (vertices, triangles) = own_vertices(part);
         let mut attributes = Map::new();
+        let mut insert = |name: &str, accessor: usize| {
+            attributes.insert(String::from(name), json!(accessor));
+        };
         let gather = |f: &dyn Fn(usize) -> [f32; 3]| -> Vec<f32> {
             vertices.iter().flat_map(|&v| f(v as usize)).collect()
         };
         let positions = gather(&|v| drawn.positions[v].to_array());
-        attributes.insert(
-            String::from("POSITION"),
-            json!(self.floats(&positions, 3, true)),
-        );
-        let colors = if source.emits() {
-            emitter_colors(solution, drawn, part, look)
-        } else {
-            gather(&|v| {
-                let light = (drawn.irradiance[v] * (look.exposure / PI)).map(|c| c.clamp(0.0, 1.0));
-                let own = drawn.colors[v];
-                (light * Rgb::new(own.x, own.y, own.z)).to_array()
-            })
+        insert("POSITION", self.floats(&positions, 3, true));
+        let color = |v: usize| {
+            let light = (drawn.irradiance[v] + look.ambient) * (look.exposure / PI);
+            let own = drawn.colors[v];
+            (light.map(|c| c.clamp(0.0, 1.0)) * Rgb::new(own.x, own.y, own.z))
+                .map(|c| c.clamp(0.0, 1.0))
+                .to_array()
         };
-        if source.emits() {
-            // Values that differ from triangle to triangle need vertices of their own.
-            return self.emitter_primitive(drawn, part, material, &colors);
-        }
-        attributes.insert(
-            String::from("COLOR_0"),
-            json!(self.floats(&colors, 3, false)),
-        );
+        let alphas = source.alpha_mode != AlphaMode::Opaque
+            && vertices.iter().any(|&v| drawn.colors[v as usize].w != 1.0);
+        let colors = if alphas {
+            let with_alpha = vertices.iter().flat_map(|&v| {
+                let [r, g, b] = color(v as usize);
+                [r, g, b, drawn.colors[v as usize].w.clamp(0.0, 1.0)]
+            });
+            self.floats(&with_alpha.collect::<Vec<_>>(), 4, false)
+        } else {
+            self.floats(&gather(&color), 3, false)
+        };
+        insert("COLOR_0", colors);
         if let Some(slot) = source.base_color_texture {
             let set = slot.texcoord_set.min(1);
             let texcoords: Vec<f32> = vertices
                 .iter()
                 .flat_map(|&v| drawn.texcoords[v as usize][set].to_array())
                 .collect();
-            attributes.insert(
-                String::from("TEXCOORD_0"),
-                json!(self.floats(&texcoords, 2, false)),
-            );
+            insert("TEXCOORD_0", self.floats(&texcoords, 2, false));
         }
         let irradiance = gather(&|v| drawn.irradiance[v].to_array());
-        attributes.insert(
-            String::from("_IRRADIANCE"),
-            json!(self.floats(&irradiance, 3, false)),
-        );
+        insert("_IRRADIANCE", self.floats(&irradiance, 3, false));
         json!({ "attributes": attributes, "indices": self.indices(&triangles), "material": material })
     }
 
+    /// Triangles that emit. Their light differs from triangle to triangle, so each has vertices of its own.
     fn emitter_primitive(
         &mut self,
+        solution: &Solution,
         drawn: &DrawnMesh,
         part: &DrawnPart,
         material: usize,
-        colors: &[f32],
+        look: Look,
     ) -> Value {
+        let source = &solution.mesh().scene().materials[part.material];
         let corners = || part.triangles.iter().flatten().map(|&v| v as usize);
         let positions: Vec<f32> = corners()
             .flat_map(|v| drawn.positions[v].to_array())
@@ -342,10 +401,17 @@ impl Builder {
         let irradiance: Vec<f32> = corners()
             .flat_map(|v| drawn.irradiance[v].to_array())
             .collect();
+        let colors = emitter_colors(solution, drawn, part, look);
+        let colors = if source.may_transmit() {
+            self.floats(colors.as_flattened(), 4, false)
+        } else {
+            let opaque: Vec<f32> = colors.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+            self.floats(&opaque, 3, false)
+        };
         json!({
             "attributes": {
                 "POSITION": self.floats(&positions, 3, true),
-                "COLOR_0": self.floats(colors, 3, false),
+                "COLOR_0": colors,
                 "_IRRADIANCE": self.floats(&irradiance, 3, false),
             },
             "material": material,
@@ -353,14 +419,11 @@ impl Builder {
     }
 
     fn cameras(&mut self, scene: &Scene) {
-        let near = scene
-            .bounds()
-            .map_or(0.01, |(low, high)| low.distance(high) * 1e-3)
-            .max(1e-6);
+        let bounds = scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ONE));
         let cameras: Vec<Value> = scene
             .cameras
             .iter()
-            .map(|camera| camera_json(camera, near))
+            .map(|camera| camera_json(camera, bounds))
             .collect();
         for (i, camera) in scene.cameras.iter().enumerate() {
             let rotation = Mat3::from_cols(camera.right(), camera.up, -camera.forward);
@@ -396,6 +459,10 @@ impl Builder {
         root.insert(String::from("nodes"), json!(self.nodes));
         root.insert(String::from("meshes"), json!(self.meshes));
         root.insert(String::from("materials"), json!(self.materials));
+        if !self.textures.is_empty() {
+            root.insert(String::from("samplers"), json!(self.samplers));
+            root.insert(String::from("textures"), json!(self.textures));
+        }
         root.insert(String::from("accessors"), json!(self.accessors));
         root.insert(String::from("bufferViews"), json!(self.views));
         root.insert(
@@ -448,37 +515,62 @@ fn own_vertices(part: &DrawnPart) -> (Vec<u32>, Vec<[u32; 3]>) {
     (vertices, triangles)
 }
 
-/// Tone-mapped light of emitters, for each corner of each triangle.
+/// The triangles of a part that do not emit, and those that do: a texture may leave most of a lamp dark.
+fn by_emission(solution: &Solution, part: &DrawnPart) -> [DrawnPart; 2] {
+    let mut split = [(); 2].map(|()| DrawnPart {
+        triangles: Vec::new(),
+        elements: Vec::new(),
+        ..*part
+    });
+    for (&triangle, &element) in part.triangles.iter().zip(&part.elements) {
+        let emits = !solution.mesh().emission()[element as usize].is_black();
+        let to = &mut split[usize::from(emits)];
+        to.triangles.push(triangle);
+        to.elements.push(element);
+    }
+    split
+}
+
+/// Tone-mapped light and opacity of emitters, for each corner of each triangle.
 fn emitter_colors(
     solution: &Solution,
     drawn: &DrawnMesh,
     part: &DrawnPart,
     look: Look,
-) -> Vec<f32> {
+) -> Vec<[f32; 4]> {
+    let mesh = solution.mesh();
     let corners = part
         .triangles
         .iter()
         .zip(&part.elements)
         .flat_map(|(t, &e)| t.map(|v| (v as usize, e as usize)));
     corners
-        .flat_map(|(v, e)| {
-            let reflected = solution.mesh().reflectance()[e] * drawn.irradiance[v];
+        .map(|(v, e)| {
+            let reflected = mesh.reflectance()[e] * (drawn.irradiance[v] + look.ambient);
             let radiance = (solution.element_exitance(e) + reflected) / PI;
-            look.tone_map
-                .apply(radiance, look.exposure)
+            // A viewer multiplies by the opacity, which is in the radiance already.
+            let opacity = (1.0 - mesh.transmittance()[e].luminance()).clamp(0.01, 1.0);
+            let [r, g, b] = look
+                .tone_map
+                .apply(radiance / opacity, look.exposure)
                 .map(|c| c.clamp(0.0, 1.0))
-                .to_array()
+                .to_array();
+            [r, g, b, opacity]
         })
         .collect()
 }
 
-fn camera_json(camera: &Camera, near: f32) -> Value {
+/// A camera whose depths hold the scene's bounds.
+fn camera_json(camera: &Camera, (low, high): (Vec3, Vec3)) -> Value {
+    let size = low.distance(high).max(1e-3);
+    let farthest = camera.eye.distance((low + high) * 0.5) + size;
     match camera.projection {
         Projection::Perspective {
             vertical_fov,
             aspect,
         } => {
-            let mut perspective = json!({ "yfov": vertical_fov, "znear": near });
+            let mut perspective =
+                json!({ "yfov": vertical_fov, "znear": size * 1e-3, "zfar": farthest });
             if let Some(aspect) = aspect.filter(|a| *a > 0.0) {
                 perspective["aspectRatio"] = json!(aspect);
             }
@@ -489,9 +581,37 @@ fn camera_json(camera: &Camera, near: f32) -> Value {
             half_height,
         } => json!({
             "type": "orthographic", "name": camera.name,
-            "orthographic": { "xmag": half_width, "ymag": half_height, "znear": 0.0, "zfar": near * 2000.0 },
+            "orthographic": { "xmag": half_width, "ymag": half_height, "znear": 0.0, "zfar": farthest },
         }),
     }
+}
+
+/// A PNG file without the chunks by which some viewers, against the glTF specification, would change its colours or
+/// proportions, and without those of an animation; any other file as it is.
+fn without_color_space(file: &[u8]) -> Cow<'_, [u8]> {
+    const LEFT_OUT: [&[u8]; 8] = [
+        b"gAMA", b"cHRM", b"iCCP", b"cICP", b"pHYs", b"acTL", b"fcTL", b"fdAT",
+    ];
+    let Some((signature, mut rest)) = file.split_at_checked(8) else {
+        return Cow::Borrowed(file);
+    };
+    if signature != b"\x89PNG\r\n\x1a\n" {
+        return Cow::Borrowed(file);
+    }
+    let mut kept = signature.to_vec();
+    while let Some((length, after)) = rest.split_first_chunk::<4>() {
+        // Length, name, data, checksum.
+        let whole = usize::try_from(u32::from_be_bytes(*length))
+            .map_or(usize::MAX, |n| n.saturating_add(12));
+        let (Some(chunk), Some(name)) = (rest.get(..whole), after.get(..4)) else {
+            return Cow::Borrowed(file);
+        };
+        if !LEFT_OUT.contains(&name) {
+            kept.extend_from_slice(chunk);
+        }
+        rest = &rest[whole..];
+    }
+    Cow::Owned(kept)
 }
 
 fn wrap_code(wrap: Wrap) -> u32 {

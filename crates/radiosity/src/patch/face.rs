@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3, Vec4};
 use hemicube_scene::{Face, ImportReport, Instance, Mesh, Scene, SurfaceSample};
 use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
 
 /// A triangle or planar convex quad in the world, with the way back to where it came from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,27 +118,59 @@ fn barycentric([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
     [1.0 - v - w, v, w]
 }
 
-/// All faces of a scene in the world. Faces without area are left out with a warning; neighbouring triangles that make
-/// a planar convex quad become one.
+/// All faces of a scene in the world. Faces without area and copies of others are left out with a warning; neighbouring
+/// triangles that make a planar convex quad become one.
+///
+/// A copy lies upon another face of the same material corner by corner, both turned the same way. The two halve the
+/// light between them at random, and no tree of boxes parts them: a ray would try every one of a thousand copies.
 pub fn world_faces(scene: &Scene, report: &mut ImportReport) -> Vec<WorldFace> {
     let mut faces = Vec::with_capacity(scene.face_count());
+    let mut known = HashSet::with_capacity(scene.face_count());
     for (number, instance) in scene.instances.iter().enumerate() {
         let mesh = &scene.meshes[instance.mesh];
         let mut i = 0;
         while i < mesh.faces.len() {
             let quad = merged_quad(mesh, i);
             let face = quad.unwrap_or(mesh.faces[i]);
+            let mut left_out =
+                |why| report.warn(format!("mesh '{}', triangle {i}", mesh.name), why);
             match placed(number, instance, mesh, face, i) {
-                Some(face) => faces.push(face),
-                None => report.warn(
-                    format!("mesh '{}', triangle {i}", mesh.name),
-                    "its area is 0; it was left out",
-                ),
+                Some(face) if known.insert(PlaceKey::new(&face)) => faces.push(face),
+                Some(_) => left_out("it lies upon another one like it; it was left out"),
+                None => left_out("its area is 0; it was left out"),
             }
             i += if quad.is_some() { 2 } else { 1 };
         }
     }
     faces
+}
+
+/// Faces that agree in all of this are copies of each other.
+#[derive(Debug, PartialEq, Eq, Hash)]
+struct PlaceKey {
+    material: u32,
+    /// From the least one on, so that it does not matter where a face begins.
+    corners: [[u32; 3]; 4],
+}
+
+impl PlaceKey {
+    fn new(face: &WorldFace) -> Self {
+        let polygon = face.polygon();
+        // Adding 0 makes -0 and 0 the same.
+        let at = |i: usize| {
+            let corner = polygon[i % polygon.len()] + Vec3::ZERO;
+            corner.to_array().map(f32::to_bits)
+        };
+        let least = (0..polygon.len()).min_by_key(|&i| at(i)).unwrap_or(0);
+        let mut corners = [at(least); 4];
+        for (i, corner) in corners.iter_mut().enumerate().take(polygon.len()) {
+            *corner = at(least + i);
+        }
+        Self {
+            material: face.material,
+            corners,
+        }
+    }
 }
 
 /// The face in the world, or `None` if it has no area there.

@@ -170,11 +170,15 @@ pub struct PatchMesh {
 
 const NO_ELEMENT: u32 = u32::MAX;
 
+/// Largest coordinate in the world; beyond it squares of areas leave the range of f32.
+const MAX_COORDINATE: f32 = 1e9;
+
 impl PatchMesh {
     /// Cuts a scene into patches and elements.
     ///
     /// # Errors
-    /// A scene that breaks [`Scene::check`], has no face with an area, or sizes that are no sizes.
+    /// A scene that breaks [`Scene::check`], has no face with an area or one beyond `1e9` units, or sizes that are no
+    /// sizes.
     pub fn build(scene: Arc<Scene>, options: PatchOptions) -> Result<Self, RadiosityError> {
         scene.check()?;
         options.check()?;
@@ -183,6 +187,7 @@ impl PatchMesh {
         if faces.is_empty() {
             return Err(RadiosityError::NoSurfaces(scene.name.clone()));
         }
+        refuse_far_places(&scene, &faces)?;
         let sizes = Sizes::choose(&scene, &faces, options)?;
         let mut mesh = Self {
             options,
@@ -606,6 +611,21 @@ impl PatchMesh {
             || material.transmission_texture.is_some();
         textured || !mesh.colors.is_empty()
     }
+}
+
+fn refuse_far_places(scene: &Scene, faces: &[WorldFace]) -> Result<(), RadiosityError> {
+    let reach = |face: &WorldFace| face.corners.map(|c| c.abs().max_element());
+    let is_far = |face: &&WorldFace| reach(face).iter().any(|&x| x > MAX_COORDINATE);
+    let Some(face) = faces.iter().find(is_far) else {
+        return Ok(());
+    };
+    let node = &scene.instances[face.instance as usize].node;
+    let farthest = reach(face).into_iter().fold(0.0, f32::max);
+    Err(RadiosityError::Option(format!(
+        "scene '{}': node '{node}' reaches to {farthest:e} units, at most {MAX_COORDINATE:e} can be computed with; \
+         choose a smaller --unit, or leave it out with --hide '{node}'",
+        scene.name
+    )))
 }
 
 /// A triangle or quad by value; dereferences to its corners.

@@ -1,0 +1,58 @@
+//! Whole solutions of the reference rooms, measured at their points: time and error side by side.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use hemicube::radiosity::{PatchOptions, Quality, SolveOptions, solve};
+use hemicube::scene::builtin;
+use hemicube_benches::Reference;
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Duration;
+
+fn finer() -> SolveOptions {
+    SolveOptions {
+        mesh: PatchOptions::default()
+            .with_elements(8000)
+            .with_patches(1200),
+        tolerance: 2e-4,
+        ..SolveOptions::default()
+    }
+}
+
+fn rooms(c: &mut Criterion) {
+    let mut group = c.benchmark_group("solve and measure");
+    group
+        .sample_size(10)
+        .measurement_time(Duration::from_secs(10));
+    let settings = [
+        ("draft", Quality::Draft.into()),
+        ("normal", SolveOptions::default()),
+        ("finer", finer()),
+    ];
+    for (scene, bound) in [("cornell", 0.02), ("two-rooms", 0.03)] {
+        let reference = Reference::of(scene);
+        let room = Arc::new(builtin::scene(scene).expect("it is built in"));
+        for (name, options) in &settings {
+            let work = || {
+                let solution = solve(room.clone(), options, |_, _| true).expect("it can be solved");
+                (reference.measure(&solution, 2048), solution)
+            };
+            // A fast wrong answer counts for nothing: the error is stated, and bounded from the default on.
+            let (found, solution) = work();
+            let error = reference.rms_error(&found);
+            let rays = solution.provenance.rays;
+            println!(
+                "{scene}, {name}: RMS error {:.2} %, {rays} rays",
+                100.0 * error
+            );
+            assert!(
+                *name == "draft" || error < bound,
+                "{scene}, {name}: RMS error {error:.4}"
+            );
+            group.bench_function(format!("{scene}, {name}"), |b| b.iter(|| black_box(work())));
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, rooms);
+criterion_main!(benches);
