@@ -3,7 +3,8 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use hemicube::radiosity::{PatchOptions, Quality, SolveOptions, solve};
 use hemicube::scene::builtin;
-use hemicube_benches::Reference;
+use hemicube_benches::measured_error;
+use hemicube_tests::reference_points;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
@@ -29,16 +30,15 @@ fn rooms(c: &mut Criterion) {
         ("finer", finer()),
     ];
     for (scene, bound) in [("cornell", 0.02), ("two-rooms", 0.03)] {
-        let reference = Reference::of(scene);
+        let points = reference_points(scene);
         let room = Arc::new(builtin::scene(scene).expect("it is built in"));
         for (name, options) in &settings {
             let work = || {
                 let solution = solve(room.clone(), options, |_, _| true).expect("it can be solved");
-                (reference.measure(&solution, 2048), solution)
+                (measured_error(&solution, &points, 2048), solution)
             };
             // A fast wrong answer counts for nothing: the error is stated, and bounded from the default on.
-            let (found, solution) = work();
-            let error = reference.rms_error(&found);
+            let (error, solution) = work();
             let rays = solution.provenance.rays;
             println!(
                 "{scene}, {name}: RMS error {:.2} %, {rays} rays",
