@@ -1,7 +1,9 @@
 //! The patch mesh: areas, cuts, shared vertices.
 
+use glam::{Affine3A, Vec3};
 use hemicube::radiosity::{PatchMesh, PatchOptions};
-use hemicube::scene::{Scene, builtin};
+use hemicube::raster::Rgb;
+use hemicube::scene::{Face, Instance, Material, Mesh, Scene, builtin};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -94,7 +96,7 @@ fn t_vertices(mesh: &PatchMesh) -> usize {
     let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     let size = 0.05_f32;
     #[expect(clippy::cast_possible_truncation, reason = "cells of a small scene")]
-    let cell = |p: glam::Vec3| (p / size).floor().to_array().map(|x| x as i64);
+    let cell = |p: Vec3| (p / size).floor().to_array().map(|x| x as i64);
     for (v, &p) in mesh.vertices().iter().enumerate() {
         cells
             .entry(cell(p))
@@ -188,6 +190,62 @@ fn sizes_and_counts_are_kept() {
         assert!(
             longest.fold(0.0, f32::max) <= 0.3 * 1.002,
             "an edge longer than 0.3 m"
+        );
+    }
+}
+
+/// A unit triangle, placed as told.
+fn triangle(placed: &[Affine3A]) -> Scene {
+    let mut scene = Scene {
+        name: String::from("triangle"),
+        ..Scene::default()
+    };
+    scene
+        .materials
+        .push(Material::diffuse("grey", Rgb::splat(0.5)));
+    scene.meshes.push(Mesh {
+        name: String::from("triangle"),
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
+        faces: vec![Face::Triangle([0, 1, 2])],
+        ..Mesh::default()
+    });
+    for &world_from_mesh in placed {
+        scene.instances.push(Instance {
+            node: String::from("node"),
+            mesh: 0,
+            world_from_mesh,
+            flipped: false,
+        });
+    }
+    scene
+}
+
+#[test]
+fn twenty_thousand_copies_in_one_place_count_once() {
+    let mesh = mesh_of(
+        triangle(&[Affine3A::IDENTITY; 20_000]),
+        PatchOptions::default(),
+    );
+    assert_eq!(mesh.faces().len(), 1, "faces that are left");
+    assert_eq!(mesh.report().unlisted, 18_999, "one warning a node");
+    let back_to_back = Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0));
+    let mesh = mesh_of(
+        triangle(&[Affine3A::IDENTITY, back_to_back]),
+        PatchOptions::default(),
+    );
+    assert_eq!(mesh.faces().len(), 2, "sides of a sheet are no copies");
+}
+
+#[test]
+fn coordinates_whose_areas_overflow_are_refused() {
+    for size in [1e10, 1e12, 1e15, 1e18, 1e19] {
+        let scene = Arc::new(triangle(&[Affine3A::from_scale(Vec3::splat(size))]));
+        let error = PatchMesh::build(scene, PatchOptions::default())
+            .expect_err("it is refused")
+            .to_string();
+        assert!(
+            error.contains("--unit") && !error.contains('\n'),
+            "size {size}: {error}"
         );
     }
 }

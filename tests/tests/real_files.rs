@@ -36,9 +36,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 
 fn budget() -> SolveOptions {
     SolveOptions {
-        mesh: PatchOptions::default()
-            .with_elements(300)
-            .with_patches(60),
+        mesh: PatchOptions::default().with_elements(300).with_patches(60),
         rays: 16,
         max_steps: Some(STEPS),
         ..SolveOptions::default()
@@ -246,7 +244,11 @@ fn known_files_have_their_triangles_and_a_picture() {
         let name = path.to_str().expect("the names of the test data are UTF-8");
         let mut scene =
             open(name).unwrap_or_else(|error| panic!("a file that is whole opens: {error}"));
-        assert_eq!(triangle_count(&scene), known.triangles, "{place}: triangles");
+        assert_eq!(
+            triangle_count(&scene),
+            known.triangles,
+            "{place}: triangles"
+        );
         let options = SceneOptions {
             sky: (known.sky > 0.0).then(|| Rgb::splat(known.sky)),
             emit: known

@@ -27,6 +27,12 @@ pub fn check(scene: &Scene, args: &PictureArgs) -> Result<(), Failure> {
         scene.camera(name)?;
     }
     let (width, height) = args.size.unwrap_or(PLAIN);
+    if width as usize * height as usize > RenderOptions::MAX_PIXELS {
+        let most = RenderOptions::MAX_PIXELS;
+        return Err(Failure::Usage(format!(
+            "--size {width}x{height}: at most {most} pixels fit, 7680x4320 for example; make a side smaller"
+        )));
+    }
     let antialias = args.antialias.unwrap_or(RenderOptions::default().antialias);
     if width.max(height) as usize * antialias as usize > Viewport::MAX_SIDE {
         let most = Viewport::MAX_SIDE;

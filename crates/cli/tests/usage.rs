@@ -65,6 +65,14 @@ fn wrong_usage_is_told_by_clap() {
         &["render", "cornell"],
         &["render", "cornell", "-o", "v.png", "--size", "0x10"],
         &[
+            "solve",
+            "furnace",
+            "--image",
+            "v.png",
+            "--size",
+            "16384x16384",
+        ],
+        &[
             "render", "cornell", "-o", "v.png", "--camera", "front", "--eye", "0,0,0",
         ],
         &["paint"],

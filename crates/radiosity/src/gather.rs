@@ -2,20 +2,20 @@
 //!
 //! The error is the solution's and the sampling's, not an interpolation's. Emitters are integrated on their own: the
 //! exact factor of each emitting patch from the point times the share of rays that reach it. Reflected light is
-//! gathered by cosine-distributed rays. Scenes with very many emitting patches are gathered by rays alone.
+//! gathered by cosine-distributed rays. Of more than 2048 emitting patches the brightest are integrated, the others met
+//! by those rays.
 
 use crate::band_sum::BandSum;
 use crate::form_factor::polygon::{FlatPolygon, point_to_polygon};
-use crate::patch::{NodeId, Polygon};
 use crate::primary::from_light;
-use crate::sampling::{cosine_direction, hash, point2, polygon_point};
+use crate::sampling::{cosine_direction, hash, point2};
 use crate::solution::Solution;
 use crate::visibility::Visibility;
 use core::f32::consts::PI;
 use glam::Vec3;
 use hemicube_raster::Rgb;
 
-/// Emitting patches above which they are not integrated one by one.
+/// Most emitting patches that are integrated one by one.
 const MAX_EMITTERS: usize = 2048;
 
 /// How the rays are spent.
@@ -52,7 +52,6 @@ pub struct Gatherer<'a> {
 #[derive(Debug)]
 struct Emitter {
     flat: FlatPolygon,
-    polygon: Polygon,
     normal: Vec3,
     exitance: Rgb,
 }
@@ -62,12 +61,7 @@ impl<'a> Gatherer<'a> {
     pub fn new(solution: &'a Solution, options: GatherOptions) -> Self {
         let mesh = solution.mesh();
         let count = mesh.elements().len();
-        let emitters = emitters(solution);
-        let integrated = if emitters.is_empty() {
-            vec![Rgb::BLACK; count]
-        } else {
-            (0..count).map(|e| solution.element_exitance(e)).collect()
-        };
+        let (emitters, integrated) = emitters(solution);
         Self {
             radiosity: (0..count).map(|e| solution.element_radiosity(e)).collect(),
             emitters,
@@ -102,7 +96,7 @@ impl<'a> Gatherer<'a> {
             .iter()
             .map(|light| from_light(self.visibility, &light.kind, point, normal))
             .sum();
-        let origin = point + normal * Visibility::offset(point);
+        let origin = self.visibility.off_surface(point, normal);
         let mut sum = lights * dim;
         let arriving: Vec<(usize, Rgb)> = self
             .emitters
@@ -151,15 +145,22 @@ impl<'a> Gatherer<'a> {
         rays: u32,
         seed: u64,
     ) -> Rgb {
+        // What is below the horizon cannot be seen, and the factor does not count it.
+        let above = emitter
+            .flat
+            .above_horizon(origin.as_dvec3(), normal.as_dvec3());
+        let Some(above) = above else {
+            return Rgb::BLACK;
+        };
         let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
         for i in 0..rays {
-            let target = polygon_point(&emitter.polygon, point2(i, seed));
+            let target = above.point(point2(i, seed)).as_vec3();
             let offset = target - origin;
             let squared = offset.length_squared();
             let weight = (offset.dot(normal) * -offset.dot(emitter.normal)).max(0.0)
-                / (squared * squared).max(1e-30);
+                / (squared * squared).max(f32::MIN_POSITIVE);
             if weight > 0.0 {
-                let target = target + emitter.normal * Visibility::offset(target);
+                let target = self.visibility.off_surface(target, emitter.normal);
                 sum += self.visibility.transmittance(origin, target) * weight;
                 weights += weight;
             }
@@ -181,7 +182,7 @@ impl<'a> Gatherer<'a> {
                 .last()
                 .map_or(Rgb::WHITE, |group| group.dim)
             * PI;
-        let origin = point + normal * Visibility::offset(point);
+        let origin = self.visibility.off_surface(point, normal);
         let mut sum = BandSum::default();
         for i in 0..self.options.rays {
             let direction = cosine_direction(normal, point2(i, seed));
@@ -197,41 +198,42 @@ impl<'a> Gatherer<'a> {
     }
 }
 
-/// The emitting patches, unless there are too many to take one by one.
-fn emitters(solution: &Solution) -> Vec<Emitter> {
+/// The emitting patches, the brightest ones if there are very many, and the exitance of each element that they cover.
+fn emitters(solution: &Solution) -> (Vec<Emitter>, Vec<Rgb>) {
     let mesh = solution.mesh();
-    let exitance = |patch: usize| -> Rgb {
-        let area = |e: usize| mesh.node(mesh.elements()[e]).area;
-        let flux: Rgb = mesh
-            .elements_of_patch(patch)
-            .map(|e| solution.element_exitance(e) * area(e))
-            .sum();
-        flux / mesh.node(mesh.patches()[patch]).area
+    let flux = |patch: usize| -> Rgb {
+        let of_element =
+            |e: usize| solution.element_exitance(e) * mesh.node(mesh.elements()[e]).area;
+        mesh.elements_of_patch(patch).map(of_element).sum()
     };
-    let emitter = |(patch, &id): (usize, &NodeId)| {
-        let exitance = exitance(patch);
-        (!exitance.is_black()).then(|| {
-            let (polygon, normal) = (mesh.polygon(id), mesh.node(id).normal);
-            Emitter {
-                flat: FlatPolygon::new(&polygon, normal),
-                polygon,
-                normal,
-                exitance,
-            }
-        })
-    };
-    let found: Vec<Emitter> = mesh
-        .patches()
-        .iter()
-        .enumerate()
-        .filter_map(emitter)
-        .take(MAX_EMITTERS + 1)
+    let mut found: Vec<(usize, Rgb)> = (0..mesh.patches().len())
+        .map(|patch| (patch, flux(patch)))
+        .filter(|(_, flux)| !flux.is_black())
         .collect();
     if found.len() > MAX_EMITTERS {
-        Vec::new()
-    } else {
-        found
+        found.sort_by(|a, b| {
+            b.1.max_band()
+                .total_cmp(&a.1.max_band())
+                .then(a.0.cmp(&b.0))
+        });
+        found.truncate(MAX_EMITTERS);
+        found.sort_by_key(|&(patch, _)| patch);
     }
+    let mut integrated = vec![Rgb::BLACK; mesh.elements().len()];
+    let emitter = |(patch, flux): (usize, Rgb)| {
+        for e in mesh.elements_of_patch(patch) {
+            integrated[e] = solution.element_exitance(e);
+        }
+        let id = mesh.patches()[patch];
+        let node = mesh.node(id);
+        Emitter {
+            flat: FlatPolygon::new(&mesh.polygon(id), node.normal),
+            normal: node.normal,
+            exitance: flux / node.area,
+        }
+    };
+    let emitters = found.into_iter().map(emitter).collect();
+    (emitters, integrated)
 }
 
 #[expect(

@@ -154,6 +154,7 @@ pub fn solve(
     let mesh = Arc::new(PatchMesh::build(scene, options.mesh)?);
     refuse_endless_light(&mesh)?;
     let primary = primary_irradiance(&mesh, options.rays, options.seed);
+    refuse_too_many_channels(&mesh, options.grouping)?;
     let mut solution = Solution::new(mesh, &primary, options.grouping);
     solution.provenance.seconds = start.elapsed().as_secs_f64();
     resume(solution, options, go_on)
@@ -198,6 +199,26 @@ pub fn resume(
         ..solution.provenance
     };
     Ok(solution)
+}
+
+/// Refuses more values than memory holds: each group takes nine numbers an element.
+fn refuse_too_many_channels(mesh: &PatchMesh, grouping: Grouping) -> Result<(), RadiosityError> {
+    const MOST: usize = 200_000_000;
+    let emitting = mesh.scene().materials.iter().filter(|m| m.emits()).count();
+    let groups = if grouping == Grouping::ByMaterial {
+        emitting + 1
+    } else {
+        1
+    };
+    let values = groups.saturating_mul(mesh.elements().len());
+    if values > MOST {
+        let elements = mesh.elements().len();
+        let message = format!(
+            "{groups} light groups on {elements} elements are {values} values, at most {MOST} are kept; use fewer elements"
+        );
+        return Err(RadiosityError::Option(message));
+    }
+    Ok(())
 }
 
 /// Refuses scenes in which nothing absorbs and nothing escapes.

@@ -1,4 +1,26 @@
 //! From a scene to a radiosity solution, on the CPU.
+//!
+//! A [`Scene`](hemicube_scene::Scene) becomes a [`PatchMesh`]; [`FormFactors`] fill rows between its nodes; a
+//! [`Solver`] spreads light by them until little is unshot; the [`Solution`] is gathered at points ([`Gatherer`]),
+//! drawn ([`DrawnMesh`]) and stored ([`export::lit_glb`]). [`solve`] does all of it.
+//!
+//! ```
+//! use hemicube_radiosity::{Quality, solve};
+//! use hemicube_scene::builtin;
+//! use std::sync::Arc;
+//!
+//! // A closed box that reflects half: radiosity is emission over one minus reflectance.
+//! let scene = Arc::new(builtin::furnace_with(0.5, 1.0));
+//! let solution = solve(scene, &Quality::Draft.into(), |_, _| true)?;
+//! assert!((solution.element_radiosity(0).g - 2.0).abs() < 0.02, "B = E / (1 - ρ)");
+//! # Ok::<(), hemicube_radiosity::RadiosityError>(())
+//! ```
+//!
+//! # Current state
+//! Form factors are cast by rays, unoccluded ones integrated; solvers shoot. Radiosity is constant on an element.
+//! Coordinates are f32: a scene more than a hundred times its size away from the origin loses percents. Light that is
+//! not emitted by surfaces (sun, points) does not get more rays for its first reflection than other reflected light.
+//! Functions behind the doors ([`solve`], [`PatchMesh::build`]) panic only on indices that are not of the mesh.
 #![forbid(unsafe_code)]
 
 mod band_sum;

@@ -257,12 +257,27 @@ impl Solution {
             .sum()
     }
 
-    /// Unshot share of all emitted flux, over bands and groups; 0 if nothing is emitted.
+    /// Signed unshot flux of a patch in one group and band.
+    pub fn unshot_patch_flux(&self, patch: usize, group: usize, band: usize) -> f64 {
+        let values = self.unshot(group, band);
+        let flux = |e: usize| f64::from(values[e]) * self.area(e);
+        self.mesh.elements_of_patch(patch).map(flux).sum()
+    }
+
+    /// Unshot share of all emitted flux: absolute values over patches, groups and bands, so that what an edit made
+    /// negative does not hide what is positive. 0 if nothing is emitted.
     pub fn unshot_fraction(&self) -> f64 {
         let emitted: f64 = (0..BANDS)
             .map(|band| self.total_balance(band).emitted)
             .sum();
-        let unshot: f64 = (0..BANDS).map(|band| self.unshot_flux(band).abs()).sum();
+        let channels =
+            || (0..self.groups.len()).flat_map(|g| (0..BANDS).map(move |band| (g, band)));
+        let of_patch = |p| {
+            channels()
+                .map(|(g, band)| self.unshot_patch_flux(p, g, band).abs())
+                .sum::<f64>()
+        };
+        let unshot: f64 = (0..self.mesh.patches().len()).map(of_patch).sum();
         if emitted > 0.0 { unshot / emitted } else { 0.0 }
     }
 

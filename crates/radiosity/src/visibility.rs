@@ -106,14 +106,15 @@ impl Visibility {
         self.tinted
     }
 
-    /// Whether any surface lets light straight through.
-    pub fn any_transmits(&self) -> bool {
-        !self.transmits.is_empty()
+    /// A distance that is safely more than rounding errors at a point: those of its coordinates, and those of
+    /// intersections, which grow with the triangles.
+    pub fn offset(&self, point: Vec3) -> f32 {
+        OFFSET * point.abs().max_element().max(0.1 * self.diameter)
     }
 
-    /// A distance that is safely more than rounding errors at a point.
-    pub fn offset(point: Vec3) -> f32 {
-        OFFSET * point.abs().max_element().max(1e-3)
+    /// A point moved off its surface to the side of the normal.
+    pub fn off_surface(&self, point: Vec3, normal: Vec3) -> Vec3 {
+        point + normal * self.offset(point)
     }
 
     /// First surface along a ray, whatever it is made of. The direction must have unit length.
@@ -138,7 +139,7 @@ impl Visibility {
 
     /// Whether nothing at all lies between two points, each already off its surface.
     fn is_clear(&self, from: Vec3, to: Vec3) -> bool {
-        let ray = ray(from, to - from, 1.0);
+        let ray = segment(from, to);
         self.bvh
             .ray_traverse_miss(ray, |ray, i| self.triangles[i].intersect(ray))
     }
@@ -153,7 +154,7 @@ impl Visibility {
             };
         }
         let mut through = Rgb::WHITE;
-        let ray = ray(from, to - from, 1.0);
+        let ray = segment(from, to);
         let clear = self.bvh.ray_traverse_miss(ray, |ray, i| {
             let t = self.triangles[i].intersect(ray);
             if t > ray.tmax {
@@ -163,7 +164,7 @@ impl Visibility {
             if !self.transmits[face] {
                 return t;
             }
-            through *= self.transmittance_at(face, from + (to - from) * t);
+            through *= self.transmittance_at(face, from + Vec3::from(ray.direction) * t);
             if through.is_black() { t } else { f32::INFINITY }
         });
         if clear { through } else { Rgb::BLACK }
@@ -199,7 +200,9 @@ impl Visibility {
             if arriving.max_band() < 1e-4 {
                 break;
             }
-            start = hit.point + direction * Self::offset(hit.point);
+            // Off the pane to its other side: along a grazing ray the same pane would be met again.
+            let normal = self.faces[hit.face].normal;
+            start = self.off_surface(hit.point, normal * normal.dot(direction).signum());
         }
         Rgb::BLACK
     }
@@ -214,6 +217,12 @@ fn ray(origin: Vec3, direction: Vec3, max_distance: f32) -> Ray {
         0.0,
         max_distance,
     )
+}
+
+/// The ray from one point to another, of unit length: the traversal's limits on small components are absolute.
+fn segment(from: Vec3, to: Vec3) -> Ray {
+    let length = from.distance(to);
+    ray(from, (to - from) / length.max(f32::MIN_POSITIVE), length)
 }
 
 fn diameter(faces: &[WorldFace]) -> f32 {

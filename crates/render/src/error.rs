@@ -1,6 +1,6 @@
 //! Why a picture could not be made.
 
-use crate::options::{MAX_ANTIALIAS, MAX_SIDE};
+use crate::options::{MAX_ANTIALIAS, MAX_SIDE, RenderOptions};
 use hemicube_raster::triangle::Viewport;
 
 /// A picture could not be made; each message is one line.
@@ -10,6 +10,17 @@ pub enum RenderError {
     /// A side is 0 or too long.
     #[error("picture of {width} x {height} pixels: each side must be from 1 to {MAX_SIDE}")]
     Size {
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// Both sides are long.
+    #[error(
+        "picture of {width} x {height} pixels: at most {max} fit, 7680 x 4320 for example; make a side smaller",
+        max = RenderOptions::MAX_PIXELS
+    )]
+    Pixels {
         /// Pixels in a row.
         width: usize,
         /// Rows.

@@ -34,6 +34,9 @@ const LIT: f32 = 0.8;
 /// Share of a side of the box through which one looks into it from outside; with more the scene is no room.
 const OPEN: f32 = 0.4;
 
+/// Least height of a room as a share of the box's diagonal; what is lower is a slab: from inside one sees two stripes.
+const LOWEST: f32 = 0.02;
+
 /// Least distance from an eye to anything, as a share of the box's smallest side.
 const CLEARANCE: f32 = 0.06;
 
@@ -53,7 +56,9 @@ struct Sight {
 
 /// The best view from inside; `None` if there is no inside.
 pub(crate) fn find(mesh: &PatchMesh, room: &Bounds) -> Option<Camera> {
-    if room.size().min_element() <= 1e-3 * room.diameter() || is_open(mesh, room) {
+    let is_flat = room.size().min_element() <= 1e-3 * room.diameter();
+    let is_low = room.size().y < LOWEST * room.diameter();
+    if is_flat || is_low || is_open(mesh, room) {
         return None;
     }
     let places: Vec<Vec3> = HEIGHTS

@@ -17,7 +17,7 @@ pub(crate) const MAX_ANTIALIAS: u32 = 16;
 pub struct RenderOptions {
     /// Pixels in a row, at most 16,384. Default value: 900.
     pub width: usize,
-    /// Rows, at most 16,384. Default value: 600.
+    /// Rows, at most 16,384, and [`Self::MAX_PIXELS`] in all. Default value: 600.
     pub height: usize,
     /// Where the irradiance of a point comes from. Default value: Gouraud.
     pub shading: Shading,
@@ -47,6 +47,9 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
+    /// Most pixels of a picture, 2^25: one of 8K fits. They are kept in memory, 12 bytes each.
+    pub const MAX_PIXELS: usize = 1 << 25;
+
     /// A picture of `width` by `height` pixels.
     pub fn with_size(self, width: usize, height: usize) -> Self {
         Self {
@@ -93,6 +96,9 @@ impl RenderOptions {
         let side = width.max(height);
         if width.min(height) == 0 || side > MAX_SIDE {
             return Err(RenderError::Size { width, height });
+        }
+        if width * height > Self::MAX_PIXELS {
+            return Err(RenderError::Pixels { width, height });
         }
         if self.antialias == 0 || self.antialias > MAX_ANTIALIAS {
             return Err(RenderError::Antialias(self.antialias));

@@ -77,6 +77,21 @@ fn things_are_seen_from_outside_and_whole() {
 }
 
 #[test]
+fn a_slab_is_seen_from_outside() {
+    let mut builder = SceneBuilder::new("slab", Units::Photometric);
+    let grey = builder.diffuse("grey", 0.5, 0.5, 0.5);
+    builder.node("slab");
+    let (low, high) = (Vec3::new(-20.0, 0.0, -20.0), Vec3::new(20.0, 0.9, 20.0));
+    builder.cuboid(grey, low, high, Sides::ALL);
+    let mut scene = builder.finish();
+    for material in &mut scene.materials {
+        material.double_sided = true;
+    }
+    let camera = choose_camera(&mesh_of(scene));
+    assert!(camera.eye.y > 5.0, "from above: {}", camera.eye);
+}
+
+#[test]
 fn the_choice_is_the_same_every_time() {
     let mesh = built_in("two-rooms");
     let once = choose_camera(&mesh);

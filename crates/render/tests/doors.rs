@@ -166,6 +166,18 @@ fn impossible_cameras_are_refused_by_name() {
 }
 
 #[test]
+fn pictures_that_would_fill_the_memory_are_refused() {
+    let solution = lit(scene_of(&[(glowing(Rgb::WHITE), square(0.0))]), 1.0, |_| {
+        Rgb::BLACK
+    });
+    let camera = from_above();
+    let options = plain(1).with_size(16_384, 16_384);
+    let error = render(&solution, &camera, &options).expect_err("refused");
+    assert!(matches!(error, RenderError::Pixels { .. }), "{error}");
+    assert!(error.to_string().contains("7680 x 4320"), "{error}");
+}
+
+#[test]
 fn shadings_have_names() {
     for shading in Shading::ALL {
         assert_eq!(shading.to_string().parse(), Ok(shading), "round trip");

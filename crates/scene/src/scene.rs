@@ -168,12 +168,12 @@ impl Scene {
                 ));
             }
         }
-        for (i, light) in self.lights.iter().enumerate() {
-            let light = match light.kind {
+        for light in &self.lights {
+            let strength = match light.kind {
                 LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => intensity,
                 LightKind::Directional { irradiance, .. } => irradiance,
             };
-            check_light(light, || format!("light {i}: intensity"))?;
+            check_light(strength, || format!("light '{}': intensity", light.name))?;
         }
         check_light(self.sky, || String::from("sky radiance"))
     }

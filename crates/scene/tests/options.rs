@@ -639,3 +639,31 @@ fn no_surface_gives_more_than_it_gets() {
         }
     }
 }
+
+#[test]
+fn light_beyond_all_lamps_is_refused() {
+    let too_much = Rgb::new(1.0, 3e38, 1.0);
+    let options = SceneOptions {
+        sky: Some(too_much),
+        ..SceneOptions::default()
+    };
+    let error = scene()
+        .apply(&options)
+        .expect_err("such a sky is refused")
+        .to_string();
+    assert!(error.contains("sky"), "{error}");
+    let mut bright = scene();
+    bright.materials[1].emission = too_much;
+    let error = bright.check().expect_err("such a lamp is refused");
+    assert!(error.to_string().contains("lamp white"), "{error}");
+    let mut bright = scene();
+    bright.lights.push(Light {
+        name: String::from("star"),
+        kind: LightKind::Point {
+            position: Vec3::ZERO,
+            intensity: too_much,
+        },
+    });
+    let error = bright.check().expect_err("such a light is refused");
+    assert!(error.to_string().contains("star"), "{error}");
+}

@@ -2,9 +2,10 @@
 //!
 //! Every primitive is unlit (`KHR_materials_unlit`) with the base colour and texture kept and `COLOR_0` = exposure × H/π
 //! clamped to [0, 1], so their product is the reflected light and no albedo counts twice. Emitters are primitives of
-//! their own whose colour is their tone-mapped light. `_IRRADIANCE` keeps the full precision. The scene, the mesh's
-//! options and the solution's arrays lie in a buffer view of ours, found through `extras.hemicube`; from them the same
-//! mesh is built again, so a solution continues exactly.
+//! their own whose colour is their tone-mapped light; one whose light a texture says (a screen) keeps that texture.
+//! `_IRRADIANCE` is the solution's irradiance in full precision, without any estimate. The scene, the mesh's options
+//! and the solution's arrays lie in a buffer view of ours, found through `extras.hemicube`; from them the same mesh is
+//! built again, so a solution continues exactly.
 
 use crate::drawn::{DrawnMesh, DrawnPart};
 use crate::error::RadiosityError;
@@ -267,6 +268,9 @@ impl Builder {
             } else {
                 AlphaMode::Opaque
             };
+            if let Some(slot) = material.emission_texture {
+                look["baseColorTexture"] = self.texture(scene, slot);
+            }
         } else {
             let shown = if scene.metals == MetalsAs::Black {
                 1.0 - material.metallic
@@ -372,12 +376,8 @@ impl Builder {
         };
         insert("COLOR_0", colors);
         if let Some(slot) = source.base_color_texture {
-            let set = slot.texcoord_set.min(1);
-            let texcoords: Vec<f32> = vertices
-                .iter()
-                .flat_map(|&v| drawn.texcoords[v as usize][set].to_array())
-                .collect();
-            insert("TEXCOORD_0", self.floats(&texcoords, 2, false));
+            let vertices = vertices.iter().map(|&v| v as usize);
+            insert("TEXCOORD_0", self.texcoords(drawn, slot, vertices));
         }
         let irradiance = gather(&|v| drawn.irradiance[v].to_array());
         insert("_IRRADIANCE", self.floats(&irradiance, 3, false));
@@ -408,14 +408,29 @@ impl Builder {
             let opaque: Vec<f32> = colors.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
             self.floats(&opaque, 3, false)
         };
-        json!({
-            "attributes": {
-                "POSITION": self.floats(&positions, 3, true),
-                "COLOR_0": colors,
-                "_IRRADIANCE": self.floats(&irradiance, 3, false),
-            },
-            "material": material,
-        })
+        let mut attributes = json!({
+            "POSITION": self.floats(&positions, 3, true),
+            "COLOR_0": colors,
+            "_IRRADIANCE": self.floats(&irradiance, 3, false),
+        });
+        if let Some(slot) = source.emission_texture {
+            attributes["TEXCOORD_0"] = json!(self.texcoords(drawn, slot, corners()));
+        }
+        json!({ "attributes": attributes, "material": material })
+    }
+
+    /// The coordinates that a texture uses.
+    fn texcoords(
+        &mut self,
+        drawn: &DrawnMesh,
+        slot: TextureSlot,
+        vertices: impl Iterator<Item = usize>,
+    ) -> usize {
+        let set = slot.texcoord_set.min(1);
+        let values: Vec<f32> = vertices
+            .flat_map(|v| drawn.texcoords[v][set].to_array())
+            .collect();
+        self.floats(&values, 2, false)
     }
 
     fn cameras(&mut self, scene: &Scene) {
@@ -515,15 +530,23 @@ fn own_vertices(part: &DrawnPart) -> (Vec<u32>, Vec<[u32; 3]>) {
     (vertices, triangles)
 }
 
-/// The triangles of a part that do not emit, and those that do: a texture may leave most of a lamp dark.
+/// The triangles of a part that reflect, and those that are shown as emitters: where a texture makes a lamp, those
+/// that emit more than they reflect.
 fn by_emission(solution: &Solution, part: &DrawnPart) -> [DrawnPart; 2] {
+    let mesh = solution.mesh();
+    let textured = mesh.scene().materials[part.material]
+        .emission_texture
+        .is_some();
     let mut split = [(); 2].map(|()| DrawnPart {
         triangles: Vec::new(),
         elements: Vec::new(),
         ..*part
     });
     for (&triangle, &element) in part.triangles.iter().zip(&part.elements) {
-        let emits = !solution.mesh().emission()[element as usize].is_black();
+        let e = element as usize;
+        let reflected = mesh.reflectance()[e] * solution.element_irradiance(e);
+        let emits = !mesh.emission()[e].is_black()
+            && (!textured || solution.element_exitance(e).luminance() > reflected.luminance());
         let to = &mut split[usize::from(emits)];
         to.triangles.push(triangle);
         to.elements.push(element);
@@ -531,7 +554,8 @@ fn by_emission(solution: &Solution, part: &DrawnPart) -> [DrawnPart; 2] {
     split
 }
 
-/// Tone-mapped light and opacity of emitters, for each corner of each triangle.
+/// Tone-mapped light and opacity of emitters, for each corner of each triangle. Where a texture says what is emitted
+/// it is the light of its white, which the texture then multiplies.
 fn emitter_colors(
     solution: &Solution,
     drawn: &DrawnMesh,
@@ -539,6 +563,7 @@ fn emitter_colors(
     look: Look,
 ) -> Vec<[f32; 4]> {
     let mesh = solution.mesh();
+    let source = &mesh.scene().materials[part.material];
     let corners = part
         .triangles
         .iter()
@@ -546,18 +571,35 @@ fn emitter_colors(
         .flat_map(|(t, &e)| t.map(|v| (v as usize, e as usize)));
     corners
         .map(|(v, e)| {
-            let reflected = mesh.reflectance()[e] * (drawn.irradiance[v] + look.ambient);
-            let radiance = (solution.element_exitance(e) + reflected) / PI;
-            // A viewer multiplies by the opacity, which is in the radiance already.
+            let exitance = solution.element_exitance(e);
+            // A viewer multiplies by the opacity, which is in the element's light already.
             let opacity = (1.0 - mesh.transmittance()[e].luminance()).clamp(0.01, 1.0);
+            let radiance = if source.emission_texture.is_some() {
+                source.emission * dimmed(exitance, mesh.emission()[e])
+            } else {
+                let reflected = mesh.reflectance()[e] * (drawn.irradiance[v] + look.ambient);
+                (exitance + reflected) / (PI * opacity)
+            };
             let [r, g, b] = look
                 .tone_map
-                .apply(radiance / opacity, look.exposure)
+                .apply(radiance, look.exposure)
                 .map(|c| c.clamp(0.0, 1.0))
                 .to_array();
             [r, g, b, opacity]
         })
         .collect()
+}
+
+/// What dimming left of an emission, per band.
+fn dimmed(exitance: Rgb, emission: Rgb) -> Rgb {
+    let band = |i: usize| {
+        if emission[i] > 0.0 {
+            exitance[i] / emission[i]
+        } else {
+            1.0
+        }
+    };
+    Rgb::new(band(0), band(1), band(2))
 }
 
 /// A camera whose depths hold the scene's bounds.

@@ -9,6 +9,7 @@ use std::sync::{Arc, OnceLock};
 #[derive(Debug)]
 pub struct Cached<F> {
     inner: F,
+    /// One for each patch; other nodes' rows are not kept.
     rows: Vec<OnceLock<Row>>,
     budget: usize,
     used: AtomicUsize,
@@ -18,7 +19,7 @@ impl<F: FormFactors> Cached<F> {
     /// Keeps at most `budget` bytes of rows.
     pub fn new(inner: F, budget: usize) -> Self {
         let mut rows = Vec::new();
-        rows.resize_with(inner.mesh().nodes().len(), OnceLock::new);
+        rows.resize_with(inner.mesh().patches().len(), OnceLock::new);
         Self {
             inner,
             rows,
@@ -34,7 +35,8 @@ impl<F: FormFactors> FormFactors for Cached<F> {
     }
 
     fn fill_row(&self, source: NodeId, row: &mut Row) {
-        let Some(slot) = self.rows.get(source.index()) else {
+        let patch = self.inner.mesh().patch_of_node(source);
+        let Some(slot) = patch.map(|patch| &self.rows[patch]) else {
             return self.inner.fill_row(source, row);
         };
         if let Some(kept) = slot.get() {

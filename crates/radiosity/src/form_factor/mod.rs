@@ -56,9 +56,9 @@ impl Row {
         received + f64::from(self.absorbed[band]) + f64::from(self.escaped[band])
     }
 
-    /// Bytes of its arrays.
+    /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        4 * (self.receivers.len() + self.fractions.len())
+        size_of::<Self>() + 4 * (self.receivers.len() + self.fractions.len())
     }
 }
 

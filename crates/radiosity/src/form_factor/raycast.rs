@@ -1,22 +1,22 @@
 //! Form factors with visibility by casting rays, two ways.
 //!
 //! *Pairs* (after Wallace, Elmquist, Haines 1989): the unoccluded factor to every element in front, computed by
-//! [`exchange_area`], times the share of rays between points of both that get through.
+//! [`exchange_area`](super::polygon::exchange_area), times the share of rays between points of both that get through.
 //! Unoccluded light is free of noise; the error is that of visibility, at most about `1/(2√k)` of the factor where `k`
 //! rays meet a shadow edge, and that geometry and visibility are taken as independent within one pair.
 //!
 //! *Shots*: rays leave the patch in cosine-distributed directions and count where they arrive. The cost does not depend
 //! on the number of elements; each factor `F` has a standard error below `√(F/N)`.
 //!
-//! Either way the row closes exactly: what is not received is split between backs and the outside as a ray-cast probe
-//! of the hemisphere says, and in a closed surrounding the factors are scaled to sum to 1.
+//! Either way the row closes exactly: rays over the hemisphere tell what backs absorb and what escapes, and the factors
+//! are scaled to the rest where they differ from it by more than its error.
 
-use crate::form_factor::polygon::{FlatPolygon, exchange_area};
+use crate::form_factor::polygon::{FlatPolygon, exchange_of_parts, facing_parts};
 use crate::form_factor::{FormFactors, Row};
 use crate::patch::exposure::ExposedArea;
 use crate::patch::{NodeId, NodeKind, PatchMesh, Polygon};
 use crate::sampling::{cosine_direction, hash, point4, polygon_point};
-use crate::visibility::{Hit, Visibility};
+use crate::visibility::Hit;
 use glam::Vec3;
 use hemicube_raster::Rgb;
 use rayon::prelude::*;
@@ -28,6 +28,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const RAYS_PER_PAIR: f64 = 1.0 / 16.0;
 /// Most rays of one pair and of one shot.
 const MAX_PAIR_RAYS: u32 = 64;
+/// Most rays that tell how much of a row of pairs is lost.
+const MAX_PROBE_RAYS: u32 = 1024;
 const MAX_SHOT_RAYS: f64 = 262_144.0;
 const MIN_SHOT_RAYS: f64 = 64.0;
 
@@ -35,7 +37,8 @@ const MIN_SHOT_RAYS: f64 = 64.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayCastOptions {
     /// Rays that an element's hemisphere gets, shared among the patches by their form factors; a shot casts as many per
-    /// element of average area and average radiosity. Default value: 512.
+    /// element of average area and average emission. At most 64 go to one pair and 262,144 to one shot.
+    /// Default value: 512.
     pub rays: u32,
     /// Way to the factors. Default value: chosen by the size of the scene.
     pub strategy: Strategy,
@@ -98,7 +101,8 @@ impl RayCast {
         }
     }
 
-    /// Rays that a shot of this patch would take: every ray of the scene carries about the same flux.
+    /// Rays that a shot of this patch would take: rays from emitters carry about the same flux as
+    /// rays of reflected light.
     fn shot_rays(&self, source: NodeId) -> f64 {
         let brightness = self
             .mesh
@@ -140,8 +144,8 @@ impl RayCast {
             row.fractions
                 .extend(found.iter().map(|(_, fraction)| fraction[band]));
         }
-        let [_, backs, outside] = self.probe(&from);
-        close(mesh, row, backs, outside);
+        let (backs, outside, rays) = self.probe(&from);
+        close(mesh, row, backs, outside, rays);
     }
 
     /// `F_Pe` in each band.
@@ -152,54 +156,66 @@ impl RayCast {
         if from.is_apart(node.normal, &polygon) {
             return Rgb::BLACK;
         }
+        let exposed = mesh.exposed(e);
         let flat = FlatPolygon::new(&polygon, node.normal);
-        let exchange = exchange_area(&from.flat, &flat);
-        if exchange <= 0.0 {
+        let Some((near, far)) = facing_parts(&from.flat, &flat).filter(|_| exposed.area() > 0.0)
+        else {
             return Rgb::BLACK;
-        }
-        let share = exchange / f64::from(node.area).max(1e-30) * boost;
+        };
+        let exchange = exchange_of_parts(&near, &far);
+        let share = exchange / f64::from(node.area) * boost;
         let rays = ray_count(
             share * f64::from(self.options.rays),
             1.0,
             f64::from(MAX_PAIR_RAYS),
         );
         let seed = hash(
-            u64::from(from.id.0) ^ self.options.seed,
+            hash(u64::from(from.id.0), self.options.seed),
             u64::from(element.0),
         );
-        let exposed = mesh.exposed(e);
-        if exposed.area() == 0.0 {
-            return Rgb::BLACK;
-        }
-        let visible = self.visible_share(from, &exposed, node.normal, rays, seed);
+        // Points are taken where both sides see each other; of whole polygons, only where they are not buried.
+        let whole = near == from.flat && far == flat;
+        let visible = self.visible_share(
+            from.normal,
+            node.normal,
+            from.kernel_floor,
+            rays,
+            seed,
+            |[u, v, s, t]| {
+                if whole {
+                    (from.point([u, v]), exposed.point([s, t]))
+                } else {
+                    (near.point([u, v]).as_vec3(), far.point([s, t]).as_vec3())
+                }
+            },
+        );
         visible * to_f32(exchange / from.area) * (exposed.area() / node.area)
     }
 
-    /// Mean transmittance over point pairs of the shooter and an element, weighted by the kernel `cos cos / r²`.
+    /// Mean transmittance over pairs of points, weighted by the kernel `cos cos / r²`.
     fn visible_share(
         &self,
-        from: &Shooter,
-        to: &ExposedArea,
-        normal: Vec3,
+        from_normal: Vec3,
+        to_normal: Vec3,
+        kernel_floor: f32,
         rays: u32,
         seed: u64,
+        pair: impl Fn([f32; 4]) -> (Vec3, Vec3),
     ) -> Rgb {
-        let mut sum = Rgb::BLACK;
-        let mut weights = 0.0;
+        let visibility = self.mesh.visibility();
+        let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
         for i in 0..rays {
-            let [u, v, s, t] = point4(i, seed);
-            let x = from.point([u, v]);
-            let y = to.point([s, t]);
+            let (x, y) = pair(point4(i, seed));
             let offset = y - x;
             let squared = offset.length_squared();
-            let weight = (offset.dot(from.normal) * -offset.dot(normal)).max(0.0)
-                / (squared * (squared + from.kernel_floor)).max(1e-30);
+            let weight = (offset.dot(from_normal) * -offset.dot(to_normal)).max(0.0)
+                / (squared * (squared + kernel_floor)).max(f32::MIN_POSITIVE);
             if weight > 0.0 {
-                let (from, to) = (
-                    x + from.normal * Visibility::offset(x),
-                    y + normal * Visibility::offset(y),
+                let (x, y) = (
+                    visibility.off_surface(x, from_normal),
+                    visibility.off_surface(y, to_normal),
                 );
-                sum += self.mesh.visibility().transmittance(from, to) * weight;
+                sum += visibility.transmittance(x, y) * weight;
                 weights += weight;
             }
         }
@@ -211,20 +227,21 @@ impl RayCast {
         }
     }
 
-    /// Shares of light that arrive at fronts, at backs, and nowhere, per band.
-    fn probe(&self, from: &Shooter) -> [Rgb; 3] {
-        let rays = self.options.rays.clamp(64, 1024);
-        let tallies = self.cast(from, rays, |tally: &mut [Rgb; 2], hit, taken| {
-            tally[usize::from(!self.mesh.visibility().receives(hit.face, hit.side))] += taken;
+    /// Shares of light that arrive at backs and nowhere, per band, and the number of rays that tell so.
+    fn probe(&self, from: &Shooter) -> (Rgb, Rgb, u32) {
+        let rays = self.options.rays.clamp(64, MAX_PROBE_RAYS);
+        let visibility = self.mesh.visibility();
+        let tallies = self.cast(from, rays, |backs: &mut Rgb, hit, taken| {
+            if !visibility.receives(hit.face, hit.side) {
+                *backs += taken;
+            }
         });
-        tallies
+        let (backs, outside) = tallies
             .into_iter()
-            .fold([Rgb::BLACK; 3], |mut sum: [Rgb; 3], (tally, escaped)| {
-                sum[0] += tally[0];
-                sum[1] += tally[1];
-                sum[2] += escaped;
-                sum
-            })
+            .fold((Rgb::BLACK, Rgb::BLACK), |sum, (backs, escaped)| {
+                (sum.0 + backs, sum.1 + escaped)
+            });
+        (backs, outside, rays)
     }
 
     /// Casts cosine-distributed rays from a patch; `meet` adds what a surface keeps of a ray to the chunk's tally.
@@ -236,7 +253,8 @@ impl RayCast {
         meet: impl Fn(&mut T, &Hit, Rgb) + Sync,
     ) -> Vec<(T, Rgb)> {
         const CHUNK: u32 = 1024;
-        let seed = hash(u64::from(from.id.0), self.options.seed ^ 0x5E11);
+        let visibility = self.mesh.visibility();
+        let seed = hash(hash(u64::from(from.id.0), self.options.seed), 0x5E11);
         let share = 1.0 / rays as f32;
         self.rays.fetch_add(u64::from(rays), Ordering::Relaxed);
         (0..rays.div_ceil(CHUNK))
@@ -248,14 +266,10 @@ impl RayCast {
                     let [u, v, s, t] = point4(i, seed);
                     let x = from.point([u, v]);
                     let direction = cosine_direction(from.normal, [s, t]);
-                    let origin = x + from.normal * Visibility::offset(x);
-                    escaped += self.mesh.visibility().follow(
-                        origin,
-                        direction,
-                        |hit, arriving, passing| {
-                            meet(&mut tally, hit, arriving * (Rgb::WHITE - passing) * share);
-                        },
-                    ) * share;
+                    let origin = visibility.off_surface(x, from.normal);
+                    escaped += visibility.follow(origin, direction, |hit, arriving, passing| {
+                        meet(&mut tally, hit, arriving * (Rgb::WHITE - passing) * share);
+                    }) * share;
                 }
                 (tally, escaped)
             })
@@ -298,7 +312,7 @@ impl RayCast {
                     if kept > 1e-6 { taken[band] / kept } else { 0.0 }
                 }));
         }
-        close(mesh, row, absorbed, escaped);
+        close(mesh, row, absorbed, escaped, rays);
     }
 }
 
@@ -433,27 +447,34 @@ fn brightness(mesh: &PatchMesh, total_area: f64) -> Vec<f64> {
     (0..mesh.patches().len()).map(of_patch).collect()
 }
 
-/// Makes a row account for everything: the rest goes to backs and outside in proportion, an excess is scaled away.
-fn close(mesh: &PatchMesh, row: &mut Row, backs: Rgb, outside: Rgb) {
+/// Makes a row account for everything. What is not received goes to backs and outside in proportion to what `rays`
+/// rays saw there; where it differs from that by more than a standard error, or where they saw nothing lost, the
+/// factors are scaled.
+fn close(mesh: &PatchMesh, row: &mut Row, backs: Rgb, outside: Rgb, rays: u32) {
     let n = row.receivers.len();
+    let one_ray = 1.0 / f64::from(rays);
     for band in 0..3 {
         let received = row.sum(mesh, band);
         let (back, out) = (f64::from(backs[band]), f64::from(outside[band]));
-        let lost = back + out;
-        let rest = 1.0 - received;
-        if lost > 0.0 && rest >= 0.0 {
-            row.absorbed[band] = to_f32(rest * back / lost);
-            row.escaped[band] = to_f32(rest * out / lost);
-        } else if received > 0.0 {
-            // Of a row of one band the factors are scaled once.
-            if band < row.bands {
-                row.fractions[band * n..(band + 1) * n]
-                    .iter_mut()
-                    .for_each(|f| *f = to_f32(f64::from(*f) / received));
-            }
-        } else {
-            row.absorbed[band] = 1.0;
+        let lost = (back + out).min(1.0);
+        let error = (lost.max(one_ray) * (1.0 - lost).max(one_ray) * one_ray).sqrt();
+        let rest = match (received > 0.0, lost > 0.0) {
+            (false, _) => 1.0,
+            (true, false) => 0.0,
+            (true, true) => (1.0 - received)
+                .clamp(lost - error, lost + error)
+                .clamp(0.0, 1.0),
+        };
+        // The factors of a row of one band are scaled once.
+        if received > 0.0 && band < row.bands {
+            let scale = to_f32((1.0 - rest) / received);
+            row.fractions[band * n..(band + 1) * n]
+                .iter_mut()
+                .for_each(|f| *f *= scale);
         }
+        let to_backs = if lost > 0.0 { back / (back + out) } else { 1.0 };
+        row.absorbed[band] = to_f32(rest * to_backs);
+        row.escaped[band] = to_f32(rest * (1.0 - to_backs));
     }
 }
 

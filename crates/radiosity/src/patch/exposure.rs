@@ -12,8 +12,9 @@ use rayon::prelude::*;
 
 /// Points that are probed on each element, as many as a mask has bits.
 const POINTS: u32 = 16;
-/// Rays of which all must meet backs. The first goes along the normal and decides nearly always.
-const RAYS: u32 = 6;
+/// Rays of which all must meet backs. The first goes along the normal and decides nearly always; as many as this it
+/// takes to tell the inside of a solid from the floor under a one-sided roof.
+const RAYS: u32 = 70;
 
 /// Which of an element's probed points are exposed, as a bit mask.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +49,11 @@ impl ExposedArea {
     /// The whole element.
     pub fn polygon(&self) -> &[Vec3] {
         &self.polygon
+    }
+
+    /// Area of the whole element.
+    pub fn whole_area(&self) -> f32 {
+        self.area
     }
 
     /// Area of the exposed part.
@@ -115,7 +121,7 @@ fn centre(polygon: &[Vec3]) -> Vec3 {
 }
 
 fn is_buried(visibility: &Visibility, point: Vec3, normal: Vec3) -> bool {
-    let origin = point + normal * Visibility::offset(point);
+    let origin = visibility.off_surface(point, normal);
     (0..RAYS).all(|i| {
         let direction = if i == 0 {
             normal

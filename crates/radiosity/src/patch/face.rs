@@ -128,18 +128,25 @@ pub fn world_faces(scene: &Scene, report: &mut ImportReport) -> Vec<WorldFace> {
     let mut known = HashSet::with_capacity(scene.face_count());
     for (number, instance) in scene.instances.iter().enumerate() {
         let mesh = &scene.meshes[instance.mesh];
-        let mut i = 0;
+        let (mut i, mut copies) = (0, 0);
         while i < mesh.faces.len() {
             let quad = merged_quad(mesh, i);
             let face = quad.unwrap_or(mesh.faces[i]);
-            let mut left_out =
-                |why| report.warn(format!("mesh '{}', triangle {i}", mesh.name), why);
             match placed(number, instance, mesh, face, i) {
                 Some(face) if known.insert(PlaceKey::new(&face)) => faces.push(face),
-                Some(_) => left_out("it lies upon another one like it; it was left out"),
-                None => left_out("its area is 0; it was left out"),
+                Some(_) => copies += 1,
+                None => report.warn(
+                    format!("mesh '{}', triangle {i}", mesh.name),
+                    "its area is 0; it was left out",
+                ),
             }
             i += if quad.is_some() { 2 } else { 1 };
+        }
+        if copies > 0 {
+            report.warn(
+                format!("node '{}'", instance.node),
+                format!("{copies} faces lie upon others of the same material; left out"),
+            );
         }
     }
     faces

@@ -19,11 +19,10 @@ use hemicube_raster::Rgb;
 use hemicube_scene::{ImportReport, Scene};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Most elements that a mesh may have; memory and 32-bit ids end near here.
-pub const MAX_ELEMENTS: usize = 50_000_000;
+/// Most elements that a mesh may have; a million take about 600 MB with everything that is made of them.
+pub const MAX_ELEMENTS: usize = 4_000_000;
 
 /// A node of the forest; ids are stable, nodes are only ever appended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -157,7 +156,7 @@ pub struct PatchMesh {
     elements: Vec<NodeId>,
     element_of_node: Vec<u32>,
     patch_of_element: Vec<u32>,
-    patch_of_node: HashMap<NodeId, u32>,
+    patch_of_node: Vec<u32>,
     elements_of_patch: Vec<core::ops::Range<u32>>,
     reflectance: Vec<Rgb>,
     emission: Vec<Rgb>,
@@ -165,10 +164,10 @@ pub struct PatchMesh {
     exposure: Vec<ExposedPoints>,
     exposed_area: Vec<f32>,
     report: ImportReport,
-    revision: u64,
 }
 
-const NO_ELEMENT: u32 = u32::MAX;
+/// Marks nodes that are not in a cut.
+const NONE: u32 = u32::MAX;
 
 /// Largest coordinate in the world; beyond it squares of areas leave the range of f32.
 const MAX_COORDINATE: f32 = 1e9;
@@ -198,7 +197,7 @@ impl PatchMesh {
             elements: Vec::new(),
             element_of_node: Vec::new(),
             patch_of_element: Vec::new(),
-            patch_of_node: HashMap::new(),
+            patch_of_node: Vec::new(),
             elements_of_patch: Vec::new(),
             reflectance: Vec::new(),
             emission: Vec::new(),
@@ -206,7 +205,6 @@ impl PatchMesh {
             report,
             exposure: Vec::new(),
             exposed_area: Vec::new(),
-            revision: 0,
             visibility: Visibility::new(scene.clone(), faces.clone()),
             faces,
             scene,
@@ -232,11 +230,6 @@ impl PatchMesh {
     /// What was left out on the way.
     pub fn report(&self) -> &ImportReport {
         &self.report
-    }
-
-    /// Grows by one whenever nodes are appended; whoever keeps something per node compares it.
-    pub fn revision(&self) -> u64 {
-        self.revision
     }
 
     /// The scene's faces in the world.
@@ -266,7 +259,7 @@ impl PatchMesh {
             let normal = self.node(id).normal;
             let sample = point2(id32(e), 0);
             let origin = self.node(id).centroid;
-            let origin = origin + normal * Visibility::offset(origin);
+            let origin = self.visibility.off_surface(origin, normal);
             let hit =
                 self.visibility
                     .first_hit(origin, cosine_direction(normal, sample), f32::INFINITY);
@@ -312,7 +305,8 @@ impl PatchMesh {
 
     /// Position in [`Self::patches`] of a node, if it is one of them.
     pub fn patch_of_node(&self, id: NodeId) -> Option<usize> {
-        self.patch_of_node.get(&id).map(|&patch| patch as usize)
+        let patch = *self.patch_of_node.get(id.index())?;
+        (patch != NONE).then_some(patch as usize)
     }
 
     /// Positions in [`Self::elements`] of a patch's elements; they are consecutive.
@@ -353,7 +347,7 @@ impl PatchMesh {
     /// Position in [`Self::elements`] of the element at a point of a face's side; `None` if that side only absorbs.
     pub fn element_at(&self, face: usize, side: Side, point: Vec3) -> Option<usize> {
         let mut id = self.roots[face][side as usize]?;
-        while self.element_of_node[id.index()] == NO_ELEMENT {
+        while self.element_of_node[id.index()] == NONE {
             id = self
                 .children(id)
                 .max_by(|&a, &b| {
@@ -524,7 +518,6 @@ impl PatchMesh {
             let starts_patch =
                 patch.is_none() && (cells.is_empty() || !any_edge_longer(&polygon, patch_size));
             let patch = if starts_patch {
-                self.patch_of_node.insert(id, id32(self.patches.len()));
                 self.patches.push(id);
                 let start = id32(self.elements.len());
                 self.elements_of_patch.push(start..start);
@@ -552,7 +545,11 @@ impl PatchMesh {
 
     /// Averages materials over each element.
     fn average_materials(&mut self) {
-        self.element_of_node = vec![NO_ELEMENT; self.nodes.len()];
+        self.patch_of_node = vec![NONE; self.nodes.len()];
+        for (i, id) in self.patches.iter().enumerate() {
+            self.patch_of_node[id.index()] = id32(i);
+        }
+        self.element_of_node = vec![NONE; self.nodes.len()];
         for (i, id) in self.elements.iter().enumerate() {
             self.element_of_node[id.index()] = id32(i);
         }

@@ -1,11 +1,12 @@
-//! The largest of many changing numbers.
+//! The largest and the sum of many changing numbers.
 
-/// A complete binary tree whose nodes hold the maximum below them: changing a number costs `log n`, finding the largest
-/// as much.
+/// A complete binary tree whose nodes hold the maximum and the sum below them: changing a number costs `log n`, finding
+/// the largest as much. The sum is always that of the numbers as they are, without drift.
 #[derive(Debug, Clone)]
 pub struct MaxTree {
     leaves: usize,
     values: Vec<f64>,
+    sums: Vec<f64>,
 }
 
 impl MaxTree {
@@ -15,10 +16,13 @@ impl MaxTree {
         let mut tree = Self {
             leaves,
             values: vec![0.0; 2 * leaves],
+            sums: Vec::new(),
         };
         tree.values[leaves..leaves + numbers.len()].copy_from_slice(numbers);
+        tree.sums = tree.values.clone();
         for i in (1..leaves).rev() {
             tree.values[i] = tree.values[2 * i].max(tree.values[2 * i + 1]);
+            tree.sums[i] = tree.sums[2 * i] + tree.sums[2 * i + 1];
         }
         tree
     }
@@ -27,14 +31,17 @@ impl MaxTree {
     pub fn set(&mut self, index: usize, number: f64) {
         let mut i = self.leaves + index;
         self.values[i] = number;
+        self.sums[i] = number;
         while i > 1 {
             i /= 2;
-            let larger = self.values[2 * i].max(self.values[2 * i + 1]);
-            if self.values[i] == larger {
-                break;
-            }
-            self.values[i] = larger;
+            self.values[i] = self.values[2 * i].max(self.values[2 * i + 1]);
+            self.sums[i] = self.sums[2 * i] + self.sums[2 * i + 1];
         }
+    }
+
+    /// Sum of all numbers.
+    pub fn sum(&self) -> f64 {
+        self.sums[1.min(self.sums.len() - 1)]
     }
 
     /// A number.
@@ -71,6 +78,7 @@ mod tests {
             let largest = numbers.iter().copied().fold(0.0, f64::max);
             let first = numbers.iter().position(|&n| n == largest).unwrap_or(0);
             assert_eq!(tree.largest(), (first, largest), "after step {step}");
+            assert_eq!(tree.sum(), numbers.iter().sum::<f64>(), "after step {step}");
         }
     }
 }

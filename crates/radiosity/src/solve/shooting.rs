@@ -32,8 +32,6 @@ pub struct Shooting<'a> {
     /// Unshot flux of each patch, over channels.
     unshot: MaxTree,
     surfaces: Surfaces,
-    /// Signed unshot flux of all patches in each channel.
-    unshot_total: Vec<f64>,
     emitted: f64,
     next: usize,
     batch: usize,
@@ -57,7 +55,6 @@ impl<'a> Shooting<'a> {
             order,
             unshot: MaxTree::new(&[]),
             surfaces: Surfaces::new(solution.mesh()),
-            unshot_total: vec![0.0; solution.groups().len() * BANDS],
             emitted,
             next: usize::try_from(solution.provenance.steps).unwrap_or(0) % patches.max(1),
             batch,
@@ -68,15 +65,6 @@ impl<'a> Shooting<'a> {
             .map(|p| unshot_magnitude(&solver.solution, p))
             .collect();
         solver.unshot = MaxTree::new(&fluxes);
-        for p in 0..patches {
-            for (total, flux) in solver
-                .unshot_total
-                .iter_mut()
-                .zip(unshot_flux(&solver.solution, p))
-            {
-                *total += flux;
-            }
-        }
         solver
     }
 
@@ -128,7 +116,6 @@ impl<'a> Shooting<'a> {
             let range = channel * elements..(channel + 1) * elements;
             let (irradiance, unshot) = (&mut irradiance[range.clone()], &mut unshot[range]);
             unshot[mesh.elements_of_patch(patch)].fill(0.0);
-            self.unshot_total[channel] -= flux;
             if flux == 0.0 {
                 continue;
             }
@@ -143,7 +130,6 @@ impl<'a> Shooting<'a> {
                 received += f64::from(fraction) * f64::from(kept[e]);
                 reflected += f64::from(fraction) * f64::from(reflectance[e]);
             }
-            self.unshot_total[channel] += flux * reflected;
             let backs = f64::from(row.absorbed[band]);
             balance[group][band].absorbed += flux * (received - reflected + backs);
             balance[group][band].escaped += flux * f64::from(row.escaped[band]);
@@ -216,7 +202,7 @@ impl Solver for Shooting<'_> {
         };
         Progress {
             iteration: self.solution.provenance.steps,
-            unshot: self.unshot_total.iter().map(|u| u.abs()).sum::<f64>() / emitted,
+            unshot: self.unshot.sum() / emitted,
             residual: self.unshot.largest().1 / emitted,
         }
     }
@@ -233,22 +219,18 @@ impl Solver for Shooting<'_> {
 /// Signed unshot flux of a patch in each channel.
 fn unshot_flux(solution: &Solution, patch: usize) -> Vec<f64> {
     (0..solution.groups().len() * BANDS)
-        .map(|channel| channel_flux(solution, patch, channel))
+        .map(|channel| solution.unshot_patch_flux(patch, channel / BANDS, channel % BANDS))
         .collect()
 }
 
 /// Sum over channels of the absolute unshot flux of a patch.
 fn unshot_magnitude(solution: &Solution, patch: usize) -> f64 {
     (0..solution.groups().len() * BANDS)
-        .map(|channel| channel_flux(solution, patch, channel).abs())
-        .sum()
-}
-
-fn channel_flux(solution: &Solution, patch: usize, channel: usize) -> f64 {
-    let mesh = solution.mesh();
-    let values = solution.unshot(channel / BANDS, channel % BANDS);
-    mesh.elements_of_patch(patch)
-        .map(|e| f64::from(values[e]) * f64::from(mesh.exposed_area(e)))
+        .map(|channel| {
+            solution
+                .unshot_patch_flux(patch, channel / BANDS, channel % BANDS)
+                .abs()
+        })
         .sum()
 }
 

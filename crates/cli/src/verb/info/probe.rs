@@ -120,7 +120,7 @@ fn of_element(mesh: &PatchMesh, e: usize, rays: u32) -> OfElement {
     let share = 1.0 / f64::from(rays);
     for i in 0..rays {
         let point = exposed.point(point2(i, 2 * e as u64));
-        let origin = point + node.normal * Visibility::offset(point);
+        let origin = mesh.visibility().off_surface(point, node.normal);
         let direction = cosine_direction(node.normal, point2(i, 2 * e as u64 + 1));
         let escaped = visibility.follow(origin, direction, |hit, arriving, passing| {
             let stays = share * mean(arriving - arriving * passing);
