@@ -3,7 +3,7 @@
 use glam::Vec3;
 use hemicube::radiosity::patch::NodeKind;
 use hemicube::radiosity::sampling::{cosine_direction, point2};
-use hemicube::radiosity::{PatchMesh, Visibility};
+use hemicube::radiosity::PatchMesh;
 use hemicube::raster::Rgb;
 use rayon::prelude::*;
 
