@@ -2,7 +2,7 @@
 //!
 //! A [`Scene`](hemicube_scene::Scene) becomes a [`PatchMesh`]; [`FormFactors`] fill rows between its nodes; a
 //! [`Solver`] spreads light by them until little is unshot; the [`Solution`] is gathered at points ([`Gatherer`]),
-//! drawn ([`DrawnMesh`]) and stored ([`export::lit_glb`]). [`solve`] does all of it.
+//! drawn ([`DrawnMesh`]) and stored ([`export::lit_glb`]). [`solve()`] does all of it.
 //!
 //! ```
 //! use hemicube_radiosity::{Quality, solve};
@@ -20,7 +20,7 @@
 //! Form factors are cast by rays, unoccluded ones integrated; solvers shoot. Radiosity is constant on an element.
 //! Coordinates are f32: a scene more than a hundred times its size away from the origin loses percents. Light that is
 //! not emitted by surfaces (sun, points) does not get more rays for its first reflection than other reflected light.
-//! Functions behind the doors ([`solve`], [`PatchMesh::build`]) panic only on indices that are not of the mesh.
+//! Functions behind the doors ([`solve()`], [`PatchMesh::build`]) panic only on indices that are not of the mesh.
 #![forbid(unsafe_code)]
 
 mod band_sum;

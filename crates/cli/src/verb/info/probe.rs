@@ -1,9 +1,9 @@
 //! Rays that find out where light would go.
 
 use glam::Vec3;
+use hemicube::radiosity::PatchMesh;
 use hemicube::radiosity::patch::NodeKind;
 use hemicube::radiosity::sampling::{cosine_direction, point2};
-use hemicube::radiosity::PatchMesh;
 use hemicube::raster::Rgb;
 use rayon::prelude::*;
 
