@@ -112,28 +112,41 @@ impl<'a> Gatherer<'a> {
             .iter()
             .map(|(_, unoccluded)| unoccluded.max_band())
             .sum();
-        // Rays go to emitters by what they would bring. Those that earn less than a ray are drawn systematically and
-        // count for the ones that were not.
+        // Rays go to emitters by what they would bring. Those that earn less than a ray are drawn systematically, and the
+        // visible share of the drawn ones counts for all of them; what nothing hides is exact.
+        let visible = |i: usize, rays| {
+            self.visible_share(
+                origin,
+                normal,
+                &self.emitters[i],
+                rays,
+                hash(seed, i as u64),
+            )
+        };
         let mut ticks = point2(0, seed)[0];
+        let (mut small, mut drawn, mut drawn_visible) = (Rgb::BLACK, Rgb::BLACK, Rgb::BLACK);
         for (i, unoccluded) in arriving {
             let wanted = self.options.rays as f32 * unoccluded.max_band() / total;
-            let (rays, weight) = if wanted >= 1.0 {
-                (ceil_count(wanted), 1.0)
-            } else {
-                (1, 1.0 / wanted)
-            };
-            if wanted < 1.0 {
-                ticks += wanted;
-                if ticks < 1.0 {
-                    continue;
-                }
-                ticks -= 1.0;
+            if wanted >= 1.0 {
+                sum += unoccluded * visible(i, ceil_count(wanted));
+                continue;
             }
-            let emitter = &self.emitters[i];
-            let visible = self.visible_share(origin, normal, emitter, rays, hash(seed, i as u64));
-            sum += unoccluded * visible * weight;
+            small += unoccluded;
+            ticks += wanted;
+            if ticks >= 1.0 || drawn.is_black() {
+                ticks -= ticks.floor();
+                drawn += unoccluded / wanted;
+                drawn_visible += unoccluded * visible(i, 1) / wanted;
+            }
         }
-        sum
+        let share = |band| {
+            if drawn[band] > 0.0 {
+                drawn_visible[band] / drawn[band]
+            } else {
+                0.0
+            }
+        };
+        sum + small * Rgb::new(share(0), share(1), share(2))
     }
 
     /// Share of an emitter's light that reaches a point, weighted by the kernel `cos cos / r²`.
