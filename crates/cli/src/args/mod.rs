@@ -50,7 +50,7 @@ pub struct GlobalArgs {
     #[arg(long, short, global = true, display_order = 901)]
     pub quiet: bool,
     /// Threads to compute with; the result does not depend on it [default: all]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), display_order = 902)]
+    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024), display_order = 902)]
     pub threads: Option<u16>,
 }
 
@@ -126,7 +126,7 @@ pub struct MeasureVerb {
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: Option<PathBuf>,
     /// Rays over the hemisphere of each point [default: 2048]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub gather_rays: Option<u32>,
     #[command(flatten)]
     pub solve: SolveArgs,

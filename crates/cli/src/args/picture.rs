@@ -20,7 +20,7 @@ pub struct PictureArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true, requires = "eye")]
     pub look_at: Option<Vec3>,
     /// Vertical angle of view in degrees [default: the camera's, 60 with --eye]
-    #[arg(long, value_name = "DEG", value_parser = parse::angle)]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = parse::angle)]
     pub fov: Option<f32>,
     /// Pixels [default: 960x640, or the camera's proportions within 960x720]
     #[arg(long, value_name = "WxH", value_parser = parse::size)]
@@ -35,10 +35,10 @@ pub struct PictureArgs {
     #[arg(long, value_parser = parse::choice(&Shading::ALL, Shading::name))]
     pub shading: Option<Shading>,
     /// N x N samples for each pixel, N from 1 to 16 [default: 3]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub antialias: Option<u32>,
     /// Rays over the hemisphere of each pixel of --shading gather [default: 256]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub gather_rays: Option<u32>,
 }
 

@@ -15,7 +15,7 @@ pub struct SceneArgs {
     #[arg(long, value_name = "MATERIAL=R,G,B", value_parser = parse_named_rgb)]
     pub emit: Vec<(String, Rgb)>,
     /// Radiance of a uniform sky around the scene [default: the scene's]
-    #[arg(long, value_name = "R,G,B", value_parser = parse_rgb)]
+    #[arg(long, value_name = "R,G,B", value_parser = parse_rgb, allow_hyphen_values = true)]
     pub sky: Option<Rgb>,
     /// Give a material this diffuse reflectance, 0 to 1; repeatable
     #[arg(long, value_name = "MATERIAL=R,G,B", value_parser = parse_named_rgb)]
@@ -42,7 +42,7 @@ pub struct SceneArgs {
     #[arg(long, value_parser = named::<MetalsAs>(MetalsAs::NAMES))]
     pub metals: Option<MetalsAs>,
     /// Larger reflectances are lowered to this [default: 0.98]
-    #[arg(long, value_name = "X", value_parser = parse::bound)]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = parse::bound)]
     pub max_reflectance: Option<f32>,
 }
 

@@ -14,37 +14,37 @@ pub struct SolveArgs {
     #[arg(long, value_parser = parse::choice(&Quality::ALL, Quality::name))]
     pub quality: Option<Quality>,
     /// Longest edge of the elements that receive light, in scene units (metres)
-    #[arg(long, value_name = "M", value_parser = parse::length)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub element_size: Option<f32>,
     /// Elements to aim at instead of a size [default: 4000]
-    #[arg(long, value_name = "N", conflicts_with = "element_size", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = clap::value_parser!(u32).range(1..))]
     pub elements: Option<u32>,
     /// Longest edge of the patches that shoot light, in scene units (metres)
-    #[arg(long, value_name = "M", value_parser = parse::length)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub patch_size: Option<f32>,
     /// Patches to aim at instead of a size [default: 400]
-    #[arg(long, value_name = "N", conflicts_with = "patch_size", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = clap::value_parser!(u32).range(1..))]
     pub patches: Option<u32>,
     /// Way to the form factors [default: raycast]
     #[arg(long, value_name = "METHOD", value_parser = ["raycast"])]
     pub form_factors: Option<String>,
     /// Rays over each hemisphere [default: 256]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub rays: Option<u32>,
     /// Way to the equilibrium; ambient-shooting brightens pictures of unfinished solutions [default: ambient-shooting]
     #[arg(long, value_parser = parse::choice(&SolverKind::ALL, SolverKind::name))]
     pub solver: Option<SolverKind>,
     /// Finished when this share of the emitted light has not been shot yet [default: 5e-4]
-    #[arg(long, value_name = "T", value_parser = parse::tolerance)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = parse::tolerance)]
     pub tolerance: Option<f64>,
     /// At most so many steps (shots) [default: no limit]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub iterations: Option<u64>,
     /// Stop after this time since the program's start: 30s, 2m, 1h [default: no limit]
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     pub time: Option<Duration>,
     /// Seed of all sampling [default: 0]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub seed: Option<u64>,
 }
 
