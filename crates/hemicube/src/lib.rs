@@ -29,8 +29,8 @@
 //! | [`render`] | pictures of solutions |
 //!
 //! # Current state
-//! Form factors are cast by rays over a BVH; the solvers are progressive shooting, sorted or not, with an ambient
-//! estimate for display. Surfaces are diffuse; panes let light straight through. Nothing panics on what files hold.
+//! Surfaces are diffuse; panes let light straight through. The front page of each crate says what it does not do yet.
+//! Nothing panics on what files hold.
 #![forbid(unsafe_code)]
 
 pub use hemicube_radiosity as radiosity;

@@ -1,10 +1,16 @@
 //! Form factors: which share of the light that leaves one node arrives where.
 
+pub mod analytic;
 pub mod cached;
+pub mod delta_factors;
+pub mod hemicube;
+pub mod matrix;
+pub mod nusselt;
 pub mod polygon;
 pub mod raycast;
 
 pub use cached::Cached;
+pub use matrix::{MatrixOptions, Storage, ViewFactorMatrix};
 pub use raycast::{RayCast, RayCastOptions};
 
 use crate::patch::{NodeId, PatchMesh};

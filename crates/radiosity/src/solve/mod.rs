@@ -1,11 +1,25 @@
 //! Ways to the equilibrium of light.
 
 pub mod ambient;
+pub mod gathering;
+pub mod gauss;
+pub mod gauss_seidel;
+pub mod jacobi;
 mod max_tree;
+pub mod on_matrix;
 pub mod shooting;
+pub mod southwell;
+pub mod system;
 
 pub use ambient::ambient_irradiance;
+pub use gathering::Gathering;
+pub use gauss::Gauss;
+pub use gauss_seidel::GaussSeidel;
+pub use jacobi::Jacobi;
+pub use on_matrix::OnMatrix;
 pub use shooting::{Order, Shooting};
+pub use southwell::Southwell;
+pub use system::{MatrixMethod, MatrixRun, MatrixSolverKind, solve_matrix};
 
 use crate::solution::Solution;
 
