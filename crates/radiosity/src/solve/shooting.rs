@@ -140,18 +140,25 @@ impl<'a> Shooting<'a> {
     /// Brings the tree up to date for the patches that a row reached.
     fn refresh(&mut self, row: &Row, shooter: usize) {
         let mesh = self.solution.mesh().clone();
-        let mut last = usize::MAX;
         // Receivers ascend and a patch's elements are consecutive, so each patch comes up once.
-        for &e in &row.receivers {
-            let patch = mesh.patch_of_element(e as usize);
-            if patch != last {
-                self.unshot
-                    .set(patch, unshot_magnitude(&self.solution, patch));
-                last = patch;
+        let mut reached: Vec<usize> = row
+            .receivers
+            .iter()
+            .map(|&e| mesh.patch_of_element(e as usize))
+            .collect();
+        reached.dedup();
+        let solution = &self.solution;
+        let magnitude = |patch: usize| (patch, unshot_magnitude(solution, patch));
+        if reached.len() * 8 > mesh.patches().len() {
+            let fluxes: Vec<(usize, f64)> =
+                reached.par_iter().map(|&patch| magnitude(patch)).collect();
+            self.unshot.set_many(fluxes.into_iter());
+        } else {
+            for patch in reached {
+                self.unshot.set(patch, magnitude(patch).1);
             }
         }
-        self.unshot
-            .set(shooter, unshot_magnitude(&self.solution, shooter));
+        self.unshot.set(shooter, magnitude(shooter).1);
     }
 }
 
