@@ -4,12 +4,14 @@ pub mod analytic;
 pub mod cached;
 pub mod delta_factors;
 pub mod hemicube;
+pub mod kind;
 pub mod matrix;
 pub mod nusselt;
 pub mod polygon;
 pub mod raycast;
 
 pub use cached::Cached;
+pub use kind::{FormFactorKind, FormFactorOptions};
 pub use matrix::{MatrixOptions, Storage, ViewFactorMatrix};
 pub use raycast::{RayCast, RayCastOptions};
 

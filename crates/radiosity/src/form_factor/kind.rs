@@ -1,0 +1,54 @@
+//! Choosing a way to form factors by its name.
+
+use crate::error::RadiosityError;
+use crate::form_factor::hemicube::{Hemicube, HemicubeOptions};
+use crate::form_factor::{FormFactors, RayCast, RayCastOptions};
+use crate::patch::PatchMesh;
+use std::sync::Arc;
+
+/// Ways to form factors, by their names on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FormFactorKind {
+    /// Rays, between pairs or over the hemisphere.
+    #[default]
+    RayCast,
+    /// Item buffers on the faces of a half cube.
+    Hemicube,
+}
+
+/// What the ways to form factors need to know; each looks at its own part.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FormFactorOptions {
+    /// Rays, how they are spent, and the seed of all sampling.
+    pub raycast: RayCastOptions,
+    /// Resolution and number of hemicubes.
+    pub hemicube: HemicubeOptions,
+}
+
+impl FormFactorKind {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::RayCast, Self::Hemicube];
+
+    /// Name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::RayCast => "raycast",
+            Self::Hemicube => "hemicube",
+        }
+    }
+
+    /// The form factors of a mesh.
+    ///
+    /// # Errors
+    /// Options out of their range.
+    pub fn build(
+        self,
+        mesh: Arc<PatchMesh>,
+        options: &FormFactorOptions,
+    ) -> Result<Box<dyn FormFactors>, RadiosityError> {
+        Ok(match self {
+            Self::RayCast => Box::new(RayCast::new(mesh, options.raycast)),
+            Self::Hemicube => Box::new(Hemicube::new(mesh, options.hemicube)?),
+        })
+    }
+}
