@@ -2,7 +2,7 @@
 
 use crate::error::RadiosityError;
 use crate::form_factor::hemicube::{Hemicube, HemicubeOptions};
-use crate::form_factor::{FormFactors, RayCast, RayCastOptions};
+use crate::form_factor::{Analytic, AnalyticOptions, FormFactors, RayCast, RayCastOptions};
 use crate::patch::PatchMesh;
 use std::sync::Arc;
 
@@ -12,6 +12,8 @@ pub enum FormFactorKind {
     /// Rays, between pairs or over the hemisphere.
     #[default]
     RayCast,
+    /// Closed forms, quadrature and exact shadows.
+    Analytic,
     /// Item buffers on the faces of a half cube.
     Hemicube,
 }
@@ -19,6 +21,8 @@ pub enum FormFactorKind {
 /// What the ways to form factors need to know; each looks at its own part.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FormFactorOptions {
+    /// Error of analytic factors.
+    pub analytic: AnalyticOptions,
     /// Rays, how they are spent, and the seed of all sampling.
     pub raycast: RayCastOptions,
     /// Resolution and number of hemicubes.
@@ -27,12 +31,13 @@ pub struct FormFactorOptions {
 
 impl FormFactorKind {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::RayCast, Self::Hemicube];
+    pub const ALL: [Self; 3] = [Self::RayCast, Self::Analytic, Self::Hemicube];
 
     /// Name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::RayCast => "raycast",
+            Self::Analytic => "analytic",
             Self::Hemicube => "hemicube",
         }
     }
@@ -48,6 +53,7 @@ impl FormFactorKind {
     ) -> Result<Box<dyn FormFactors>, RadiosityError> {
         Ok(match self {
             Self::RayCast => Box::new(RayCast::new(mesh, options.raycast)),
+            Self::Analytic => Box::new(Analytic::new(mesh, options.analytic)?),
             Self::Hemicube => Box::new(Hemicube::new(mesh, options.hemicube)?),
         })
     }

@@ -264,6 +264,17 @@ pub struct ViewFactorMatrix {
     transmitted: Vec<f64>,
 }
 
+/// The rows of all patches, one after the other.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DenseRows {
+    /// `F_ij` between patches, `[row][column]`.
+    pub values: Vec<f32>,
+    /// Share of each row that meets no surface.
+    pub sky: Vec<f64>,
+    /// Share of each row that backs absorb.
+    pub absorbed: Vec<f64>,
+}
+
 /// One row on its way into a matrix.
 #[derive(Default)]
 struct Collected {
@@ -288,6 +299,16 @@ impl ViewFactorMatrix {
         let is_sparse = choose_storage(factors, n, bands, options)?;
         let areas: Vec<f64> = (0..n).map(|p| patch_area(&mesh, p)).collect();
         let names = patch_names(&mesh);
+        if !is_sparse && let Some(rows) = factors.dense_rows() {
+            return Ok(vec![Self {
+                entries: Entries::dense(n, rows.values),
+                areas,
+                names,
+                sky: rows.sky,
+                absorbed: rows.absorbed,
+                transmitted: vec![0.0; n],
+            }]);
+        }
         let mut matrices: Vec<Self> = (0..bands)
             .map(|_| Self {
                 entries: Entries::empty_sparse(n),

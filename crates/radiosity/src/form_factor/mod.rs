@@ -10,6 +10,7 @@ pub mod nusselt;
 pub mod polygon;
 pub mod raycast;
 
+pub use analytic::{Analytic, AnalyticOptions};
 pub use cached::Cached;
 pub use kind::{FormFactorKind, FormFactorOptions};
 pub use matrix::{MatrixOptions, Storage, ViewFactorMatrix};
@@ -79,6 +80,13 @@ pub trait FormFactors: Send + Sync {
     ///
     /// The same node always gives the same row, bit for bit, on any number of threads.
     fn fill_row(&self, source: NodeId, row: &mut Row);
+
+    /// The rows of all patches at once, where a method has a cheaper way to them than one after the other.
+    ///
+    /// Rows are not scaled: what they lack to 1 is the method's error.
+    fn dense_rows(&self) -> Option<matrix::DenseRows> {
+        None
+    }
 
     /// Rays cast so far, where rays are cast.
     fn rays(&self) -> u64 {

@@ -5,6 +5,7 @@
 //! for close or touching pairs Stokes' double contour integral (Sparrow 1963) is used, its inner integral in closed
 //! form.
 
+use crate::form_factor::analytic::vector_area;
 use core::f64::consts::PI;
 use glam::{DVec3, Vec3};
 
@@ -36,6 +37,22 @@ impl FlatPolygon {
         for (to, from) in polygon.corners.iter_mut().zip(corners) {
             *to = from.as_dvec3();
         }
+        polygon
+    }
+
+    /// A polygon of three to six corners, its normal taken from them (Newell). Panics on any other number.
+    pub fn from_corners(corners: &[DVec3]) -> Self {
+        assert!(
+            (3..=MAX_CORNERS).contains(&corners.len()),
+            "a polygon of {} corners",
+            corners.len()
+        );
+        let mut polygon = Self {
+            corners: [DVec3::ZERO; MAX_CORNERS],
+            count: corners.len(),
+            normal: vector_area(corners).normalize_or_zero(),
+        };
+        polygon.corners[..corners.len()].copy_from_slice(corners);
         polygon
     }
 
@@ -124,8 +141,36 @@ impl FlatPolygon {
             })
     }
 
+    /// Cut from its first corner into quads and, where corners are odd, a triangle: corners and their number.
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = ([DVec3; 4], usize)> + '_ {
+        (1..self.count.saturating_sub(1)).step_by(2).map(|first| {
+            let last = (first + 2).min(self.count - 1);
+            let mut piece = [self.corners[0]; 4];
+            piece[1..=last - first + 1].copy_from_slice(&self.corners[first..=last]);
+            (piece, last - first + 2)
+        })
+    }
+
+    /// Distance from a point to the polygon; it has to be convex.
+    pub(crate) fn distance(&self, point: DVec3) -> f64 {
+        let mut is_over = true;
+        let mut nearest2 = f64::INFINITY;
+        for (i, &a) in self.corners().iter().enumerate() {
+            let edge = self.corners[(i + 1) % self.count] - a;
+            let offset = point - a;
+            is_over &= edge.cross(offset).dot(self.normal) >= 0.0;
+            let along = (offset.dot(edge) / edge.length_squared().max(1e-300)).clamp(0.0, 1.0);
+            nearest2 = nearest2.min((offset - edge * along).length_squared());
+        }
+        if is_over {
+            (point - self.corners[0]).dot(self.normal).abs()
+        } else {
+            nearest2.sqrt()
+        }
+    }
+
     /// Radius around the centre that holds all corners.
-    fn radius(&self, centre: DVec3) -> f64 {
+    pub(crate) fn radius(&self, centre: DVec3) -> f64 {
         self.corners()
             .iter()
             .map(|c| c.distance_squared(centre))
@@ -168,7 +213,7 @@ pub fn point_to_polygon(point: DVec3, normal: DVec3, polygon: &FlatPolygon) -> f
 
 /// `Σ θ_i n·Γ_i` over the edges of a polygon around the origin: negative for one that faces the origin, since from its
 /// front a polygon runs clockwise around the direction towards it.
-fn contour_sum(corners: &[DVec3], normal: DVec3) -> f64 {
+pub(crate) fn contour_sum(corners: &[DVec3], normal: DVec3) -> f64 {
     let mut sum = 0.0;
     let mut a = corners[corners.len() - 1];
     let mut a_length = a.length();
@@ -266,7 +311,7 @@ pub fn exchange_of_parts(a_part: &FlatPolygon, b_part: &FlatPolygon) -> f64 {
 }
 
 /// Nodes in [0, 1] and weights of Gauss-Legendre quadrature.
-const GAUSS_2: [(f64, f64); 2] = [
+pub(crate) const GAUSS_2: [(f64, f64); 2] = [
     (0.211_324_865_405_187_1, 0.5),
     (0.788_675_134_594_812_9, 0.5),
 ];
@@ -288,7 +333,7 @@ pub(crate) const GAUSS_8: [(f64, f64); 8] = [
 ];
 
 /// `∫ F_{x,source} dA` over the receiver by a product rule; polygons are taken as a fan of (degenerate) quads.
-fn averaged(receiver: &FlatPolygon, source: &FlatPolygon, rule: &[(f64, f64)]) -> f64 {
+pub(crate) fn averaged(receiver: &FlatPolygon, source: &FlatPolygon, rule: &[(f64, f64)]) -> f64 {
     let corners = receiver.corners();
     let mut sum = 0.0;
     let mut first = 1;

@@ -16,7 +16,7 @@ use crate::form_factor::{FormFactors, Row};
 use crate::patch::exposure::ExposedArea;
 use crate::patch::{NodeId, NodeKind, PatchMesh, Polygon};
 use crate::sampling::{cosine_direction, hash, point4, polygon_point};
-use crate::visibility::Hit;
+use crate::visibility::{Hit, Visibility};
 use glam::Vec3;
 use hemicube_raster::Rgb;
 use rayon::prelude::*;
@@ -175,12 +175,12 @@ impl RayCast {
         );
         // Points are taken where both sides see each other; of whole polygons, only where they are not buried.
         let whole = near == from.flat && far == flat;
-        let visible = self.visible_share(
-            from.normal,
-            node.normal,
+        self.rays.fetch_add(u64::from(rays), Ordering::Relaxed);
+        let visible = mean_transmittance(
+            mesh.visibility(),
+            [from.normal, node.normal],
             from.kernel_floor,
-            rays,
-            seed,
+            (0..rays).map(|i| point4(i, seed)),
             |[u, v, s, t]| {
                 if whole {
                     (from.point([u, v]), exposed.point([s, t]))
@@ -190,41 +190,6 @@ impl RayCast {
             },
         );
         visible * to_f32(exchange / from.area) * (exposed.area() / node.area)
-    }
-
-    /// Mean transmittance over pairs of points, weighted by the kernel `cos cos / r²`.
-    fn visible_share(
-        &self,
-        from_normal: Vec3,
-        to_normal: Vec3,
-        kernel_floor: f32,
-        rays: u32,
-        seed: u64,
-        pair: impl Fn([f32; 4]) -> (Vec3, Vec3),
-    ) -> Rgb {
-        let visibility = self.mesh.visibility();
-        let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
-        for i in 0..rays {
-            let (x, y) = pair(point4(i, seed));
-            let offset = y - x;
-            let squared = offset.length_squared();
-            let weight = (offset.dot(from_normal) * -offset.dot(to_normal)).max(0.0)
-                / (squared * (squared + kernel_floor)).max(f32::MIN_POSITIVE);
-            if weight > 0.0 {
-                let (x, y) = (
-                    visibility.off_surface(x, from_normal),
-                    visibility.off_surface(y, to_normal),
-                );
-                sum += visibility.transmittance(x, y) * weight;
-                weights += weight;
-            }
-        }
-        self.rays.fetch_add(u64::from(rays), Ordering::Relaxed);
-        if weights > 0.0 {
-            sum / weights
-        } else {
-            Rgb::BLACK
-        }
     }
 
     /// Shares of light that arrive at backs and nowhere, per band, and the number of rays that tell so.
@@ -242,6 +207,22 @@ impl RayCast {
                 (sum.0 + backs, sum.1 + escaped)
             });
         (backs, outside, rays)
+    }
+
+    /// What [`Self::probe`] tells of a node, in one band.
+    pub(super) fn lost(&self, source: NodeId) -> Lost {
+        let (backs, outside, rays) = self.probe(&Shooter::new(&self.mesh, source));
+        Lost {
+            absorbed: f64::from(backs[0]),
+            escaped: f64::from(outside[0]),
+            rays,
+        }
+    }
+
+    /// Makes a row of received factors account for everything; see the end of the module's page.
+    pub(super) fn close_row(&self, source: NodeId, row: &mut Row) {
+        let (backs, outside, rays) = self.probe(&Shooter::new(&self.mesh, source));
+        close(&self.mesh, row, backs, outside, rays);
     }
 
     /// Casts cosine-distributed rays from a patch; `meet` adds what a surface keeps of a ray to the chunk's tally.
@@ -332,6 +313,64 @@ impl FormFactors for RayCast {
 
     fn rays(&self) -> u64 {
         self.rays.load(Ordering::Relaxed)
+    }
+}
+
+/// Shares of what leaves a node that no element receives, as rays saw them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lost {
+    /// Arrives at sides that only absorb.
+    pub absorbed: f64,
+    /// Meets nothing.
+    pub escaped: f64,
+    /// Rays that tell so.
+    pub rays: u32,
+}
+
+impl Lost {
+    /// Sky and absorbed share of a row of which `received` is known better than these are: the rest, as far as it is
+    /// within three standard errors of what the rays saw; nothing if they saw nothing lost.
+    pub fn beside(&self, received: f64) -> (f64, f64) {
+        let lost = self.absorbed + self.escaped;
+        if lost <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let one_ray = 1.0 / f64::from(self.rays);
+        let error = (lost * (1.0 - lost).max(one_ray) * one_ray).sqrt();
+        let rest = (1.0 - received)
+            .clamp(lost - error, lost + error)
+            .clamp(0.0, 1.0);
+        (rest * self.escaped / lost, rest * self.absorbed / lost)
+    }
+}
+
+/// Mean transmittance over pairs of points on surfaces with these normals, weighted by the kernel `cos cos / r²`, which
+/// `kernel_floor`, an area over π, keeps finite where both meet.
+pub(super) fn mean_transmittance(
+    visibility: &Visibility,
+    normals: [Vec3; 2],
+    kernel_floor: f32,
+    samples: impl Iterator<Item = [f32; 4]>,
+    pair: impl Fn([f32; 4]) -> (Vec3, Vec3),
+) -> Rgb {
+    let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
+    for sample in samples {
+        let (x, y) = pair(sample);
+        let offset = y - x;
+        let squared = offset.length_squared();
+        let weight = (offset.dot(normals[0]) * -offset.dot(normals[1])).max(0.0)
+            / (squared * (squared + kernel_floor)).max(f32::MIN_POSITIVE);
+        if weight > 0.0 {
+            let x = visibility.off_surface(x, normals[0]);
+            let y = visibility.off_surface(y, normals[1]);
+            sum += visibility.transmittance(x, y) * weight;
+            weights += weight;
+        }
+    }
+    if weights > 0.0 {
+        sum / weights
+    } else {
+        Rgb::BLACK
     }
 }
 

@@ -1,7 +1,7 @@
 //! Unoccluded form factors between polygons of any number of corners, convex or not, in f64 with error control.
 //!
 //! In principle one formula: `A_a F_ab = 1/2π ∮∮ ln r dx·dy` (Sparrow 1963) over the parts of the polygons that are in
-//! front of each other's plane. [`super::polygon`] is the fast version for convex polygons of few corners. This one is
+//! front of each other's plane. [`polygon`](crate::form_factor::polygon) is the fast version for convex polygons of few corners. This one is
 //! exact, and departs from the formula in three places:
 //!
 //! 1. The inner integral is in closed form; for parallel edges, collinear ones included, the outer one too, so that
@@ -21,8 +21,8 @@
 //!
 //! A pair costs some 10 to 20 µs where edges are not parallel, and up to some ms where the cubature is tried in vain.
 
-use super::nusselt;
-use super::polygon::{GAUSS_4, GAUSS_8};
+use crate::form_factor::nusselt;
+use crate::form_factor::polygon::{GAUSS_4, GAUSS_8};
 use core::f64::consts::PI;
 use glam::DVec3;
 
