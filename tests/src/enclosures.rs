@@ -5,7 +5,10 @@ use hemicube::scene::{Face, Instance, Material, Mesh, Scene};
 
 /// The unit cube seen from inside, each face n × n quads.
 pub fn cube(n: u32) -> Scene {
-    scene("cube", &[("walls", box_mesh(Vec3::ZERO, Vec3::ONE, n, true))])
+    scene(
+        "cube",
+        &[("walls", box_mesh(Vec3::ZERO, Vec3::ONE, n, true))],
+    )
 }
 
 /// A room of 4 × 4 × 3 m, its faces n × n quads, with a cube of 1 m floating at its centre, its faces m × m quads.
@@ -61,7 +64,8 @@ fn box_mesh(low: Vec3, high: Vec3, n: u32, inside: bool) -> Mesh {
                     let quad = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
                     let [a, b, c, d] = quad;
                     let turned = at_high == inside;
-                    mesh.faces.push(Face::Quad(if turned { [a, d, c, b] } else { quad }));
+                    mesh.faces
+                        .push(Face::Quad(if turned { [a, d, c, b] } else { quad }));
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 use hemicube::radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
 use hemicube::radiosity::form_factor::raycast::Strategy;
+use hemicube::radiosity::form_factor::{Analytic, AnalyticOptions};
 use hemicube::radiosity::{
     FormFactors, NodeId, PatchMesh, PatchOptions, RayCast, RayCastOptions, Row,
 };
@@ -20,9 +21,12 @@ fn methods(mesh: &Arc<PatchMesh>) -> Vec<(&'static str, f64, Box<dyn FormFactors
     };
     let hemicube = HemicubeOptions::default().with_resolution(256);
     let hemicube = Hemicube::new(mesh.clone(), hemicube).expect("an even resolution");
+    let analytic =
+        Analytic::new(mesh.clone(), AnalyticOptions::default()).expect("an error in range");
     vec![
         // Nothing hides anything, so pairs are as exact as their quadrature.
         ("pairs", 2e-5, raycast(Strategy::Pairs, 256)),
+        ("analytic", 1e-6, Box::new(analytic)),
         // Cells at an outline are all right or all wrong: at most 8 outlines' worth of cells of 1/256.
         ("hemicube", 8.0 / 256.0, Box::new(hemicube)),
         // 65,536 directions of a low-discrepancy sequence: the bound is four standard errors of random ones.

@@ -346,7 +346,7 @@ impl Lost {
 
 /// Mean transmittance over pairs of points on surfaces with these normals, weighted by the kernel `cos cos / r²`, which
 /// `kernel_floor`, an area over π, keeps finite where both meet.
-pub(super) fn mean_transmittance(
+fn mean_transmittance(
     visibility: &Visibility,
     normals: [Vec3; 2],
     kernel_floor: f32,

@@ -211,3 +211,82 @@ fn convex_corners(outline: &[DVec3], normal: DVec3) -> Option<Vec<DVec3>> {
         .contains(&corners.len())
         .then_some(corners)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Quads of a grid over the unit square at a height given for each vertex; the cells that `keeps` says.
+    fn grid(
+        n: u16,
+        height: impl Fn(f32, f32) -> f32,
+        keeps: impl Fn(u16, u16) -> bool,
+    ) -> Vec<WorldFace> {
+        let at = |i: u16, j: u16| {
+            let (x, y) = (f32::from(i) / f32::from(n), f32::from(j) / f32::from(n));
+            Vec3::new(x, y, height(x, y))
+        };
+        let mut faces = Vec::new();
+        for i in 0..n {
+            for j in (0..n).filter(|&j| keeps(i, j)) {
+                let corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                let normal = crate::patch::face::newell_normal(&corners).normalize();
+                faces.push(WorldFace {
+                    corners,
+                    mesh_corners: [0; 4],
+                    corner_count: 4,
+                    normal,
+                    instance: 0,
+                    face: 0,
+                    material: 0,
+                });
+            }
+        }
+        faces
+    }
+
+    #[test]
+    fn a_grid_is_one_square() {
+        let surfaces = FlatSurfaces::new(&grid(7, |_, _| 0.0, |_, _| true), |_, _| true);
+        assert_eq!(surfaces.of_face, [0; 49], "all are of one");
+        let outline = surfaces.outlines[0].as_ref().expect("it is convex");
+        assert_eq!(outline.len(), 4, "its corners: {outline:?}");
+    }
+
+    #[test]
+    fn a_grid_with_a_hole_or_a_notch_is_one_surface_without_outline() {
+        for hole in [(3, 3), (0, 3), (0, 0)] {
+            let faces = grid(7, |_, _| 0.0, |i, j| (i, j) != hole);
+            let surfaces = FlatSurfaces::new(&faces, |_, _| true);
+            assert_eq!(surfaces.of_face, [0; 48], "all are of one");
+            assert!(surfaces.outlines[0].is_none(), "without {hole:?}");
+        }
+    }
+
+    #[test]
+    fn a_roof_is_two_surfaces_and_a_curve_none() {
+        let roof = FlatSurfaces::new(
+            &grid(4, |x, _| 0.5 - (x - 0.5).abs(), |_, _| true),
+            |_, _| true,
+        );
+        assert_eq!(roof.of_face, [[0; 8], [1; 8]].concat(), "left and right");
+        // Each fold is within the tolerance of its neighbour, the whole is not.
+        let curve = FlatSurfaces::new(&grid(64, |x, _| 1e-2 * x * x, |_, j| j == 0), |_, _| true);
+        let distinct: std::collections::BTreeSet<u32> = curve.of_face.iter().copied().collect();
+        assert!(
+            distinct.len() > 32,
+            "a curve is not one flat surface: {}",
+            distinct.len()
+        );
+    }
+
+    #[test]
+    fn faces_that_may_not_be_joined_stay_apart() {
+        let surfaces = FlatSurfaces::new(&grid(2, |_, _| 0.0, |_, _| true), |_, _| false);
+        assert_eq!(surfaces.of_face, [0, 1, 2, 3], "each is one");
+        assert!(
+            surfaces.outlines.iter().all(Option::is_some),
+            "each is convex"
+        );
+    }
+}

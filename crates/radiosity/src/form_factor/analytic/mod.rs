@@ -26,12 +26,11 @@ pub use occlusion::occluded_exchange;
 
 use crate::error::RadiosityError;
 use crate::form_factor::matrix::DenseRows;
-use crate::form_factor::polygon::{FlatPolygon, facing_parts};
-use crate::form_factor::raycast::mean_transmittance;
+use crate::form_factor::polygon::{FlatPolygon, facing_parts, point_to_polygon};
 use crate::form_factor::{FormFactors, RayCast, RayCastOptions, Row};
 use crate::patch::face::WorldFace;
 use crate::patch::{NodeId, NodeKind, PatchMesh};
-use crate::sampling::{hash, point4};
+use crate::sampling::{hash, point2};
 use flat_surfaces::FlatSurfaces;
 use glam::DVec3;
 use hemicube_raster::Rgb;
@@ -47,9 +46,9 @@ use unoccluded::{Facing, Rules, facing};
 const BLOCK: usize = 16;
 /// Occluders in the shaft of one pair above which rays are cheaper than cutting shadows.
 const MANY_OCCLUDERS: usize = 24;
-/// Rays of a pair that is sampled: first so many, and if they disagree, all.
-const FIRST_RAYS: u32 = 16;
-const ALL_RAYS: u32 = 128;
+/// Rays from each point of the smaller polygon of a pair that is sampled.
+/// Few would make the mean over them biased: what is near weighs more and is hidden less.
+const RAYS_PER_POINT: u32 = 16;
 
 /// How exact analytic factors are.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,9 +79,9 @@ impl AnalyticOptions {
 
 /// Analytic form factors between the nodes of a mesh.
 ///
-/// Pairs through panes and alpha masks, and pairs with more than 24 faces in their shaft, get the exact factor without
-/// obstruction times the share of 16 rays that arrives, or of 128 where these disagree: standard error at most 5 % of
-/// the factor.
+/// Pairs through panes and alpha masks, and pairs with more than 24 surfaces in their shaft, get the exact factor without
+/// obstruction times the share of rays that arrives: 1024 where the factor from the smaller of both is above 0.05, down
+/// to 48 where it is below 0.001, for a standard error of some 2 % to 9 % of the factor.
 #[derive(Debug)]
 pub struct Analytic {
     mesh: Arc<PatchMesh>,
@@ -233,7 +232,8 @@ impl Analytic {
             return Rgb::splat(to_f32(whole));
         }
         if is_sampled || scratch.of_pair.len() > MANY_OCCLUDERS {
-            return self.sampled(a, b, (part_a, part_b)) * to_f32(whole);
+            let points = sampled_points(whole / a.site.area.min(b.site.area));
+            return self.sampled(a, b, (part_a, part_b), points) * to_f32(whole);
         }
         let tolerance = self.options.error * a.site.area.min(b.site.area);
         let found = cubature(
@@ -256,33 +256,62 @@ impl Analytic {
         }
     }
 
-    /// Share of light that gets from one polygon to the other, by rays.
-    fn sampled(&self, a: &End, b: &End, parts: (&FlatPolygon, &FlatPolygon)) -> Rgb {
+    /// Share of light that gets from one polygon to the other, by rays from points of the smaller one. Points count by
+    /// their exact factor, rays of one point by the kernel `cos cos / r²`.
+    fn sampled(&self, a: &End, b: &End, parts: (&FlatPolygon, &FlatPolygon), points: u32) -> Rgb {
         let seed = hash(
             hash(u64::from(a.id.0), self.options.seed),
             u64::from(b.id.0),
         );
-        let normals = [a, b].map(|end| end.site.polygon.normal.as_vec3());
-        let kernel_floor = to_f32(a.site.area.min(b.site.area) / core::f64::consts::PI);
-        let share = |rays: core::ops::Range<u32>| {
-            mean_transmittance(
-                self.mesh.visibility(),
-                normals,
-                kernel_floor,
-                rays.map(|i| point4(i, seed)),
-                |[u, v, s, t]| {
-                    (
-                        parts.0.point([u, v]).as_vec3(),
-                        parts.1.point([s, t]).as_vec3(),
-                    )
-                },
-            )
-        };
-        let first = share(0..FIRST_RAYS);
-        if first == Rgb::BLACK || first == Rgb::WHITE {
-            first
+        let (from, to) = if a.site.radius <= b.site.radius {
+            parts
         } else {
-            share(0..ALL_RAYS)
+            (parts.1, parts.0)
+        };
+        let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
+        for i in 0..points {
+            let x = from.point(point2(i, seed));
+            let weight = to_f32(point_to_polygon(x, from.normal, to));
+            if weight > 0.0 {
+                let samples = (0..RAYS_PER_POINT).map(|k| i * RAYS_PER_POINT + k);
+                sum += self.seen_from(x, from, to, samples, seed) * weight;
+                weights += weight;
+            }
+        }
+        if weights > 0.0 {
+            sum / weights
+        } else {
+            Rgb::BLACK
+        }
+    }
+
+    /// Share of light that gets from a point to a polygon.
+    fn seen_from(
+        &self,
+        x: DVec3,
+        from: &FlatPolygon,
+        to: &FlatPolygon,
+        samples: impl Iterator<Item = u32>,
+        seed: u64,
+    ) -> Rgb {
+        let visibility = self.mesh.visibility();
+        let origin = visibility.off_surface(x.as_vec3(), from.normal.as_vec3());
+        let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
+        for sample in samples {
+            let y = to.point(point2(sample, !seed));
+            let offset = y - x;
+            let squared = offset.length_squared().max(1e-30);
+            let kernel = offset.dot(from.normal) * -offset.dot(to.normal) / (squared * squared);
+            if kernel > 0.0 {
+                let end = visibility.off_surface(y.as_vec3(), to.normal.as_vec3());
+                sum += visibility.transmittance(origin, end) * to_f32(kernel);
+                weights += to_f32(kernel);
+            }
+        }
+        if weights > 0.0 {
+            sum / weights
+        } else {
+            Rgb::BLACK
         }
     }
 }
@@ -391,6 +420,16 @@ impl Analytic {
             }
         }
         found
+    }
+}
+
+/// Points of a pair that is sampled: the more it matters, by the factor from the smaller of both.
+fn sampled_points(factor: f64) -> u32 {
+    match factor {
+        f if f > 0.05 => 64,
+        f if f > 0.01 => 16,
+        f if f > 0.001 => 6,
+        _ => 3,
     }
 }
 

@@ -189,3 +189,108 @@ fn range(values: &[f64]) -> (f64, f64) {
         .iter()
         .fold(nothing, |(low, high), &v| (low.min(v), high.max(v)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::hash;
+
+    fn square(centre: DVec3, half: f64) -> [DVec3; 4] {
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| centre + half * DVec3::new(x, y, 0.0))
+    }
+
+    fn occluder(corners: &[DVec3]) -> Occluder {
+        Occluder::new(FlatPolygon::from_corners(corners))
+    }
+
+    #[test]
+    fn a_screen_hides_all_a_part_or_nothing() {
+        let (below, above) = (square(DVec3::ZERO, 0.5), square(DVec3::Z, 0.5));
+        let screen =
+            |centre: DVec3, half| occluder(&square(centre, half)).blocks(&below, &above, 1e-9);
+        assert_eq!(screen(DVec3::Z * 0.5, 0.5), Blocks::All, "as large as both");
+        assert_eq!(screen(DVec3::Z * 0.5, 0.4), Blocks::Part, "smaller");
+        assert_eq!(
+            screen(DVec3::new(1.1, 0.0, 0.5), 0.5),
+            Blocks::Nothing,
+            "beside"
+        );
+        assert_eq!(
+            screen(DVec3::new(0.0, 0.0, 1.5), 5.0),
+            Blocks::Nothing,
+            "behind"
+        );
+        assert_eq!(
+            screen(DVec3::ZERO, 5.0),
+            Blocks::Nothing,
+            "in the plane of one"
+        );
+    }
+
+    /// Points of two triangles and a screen, against the verdict on them.
+    #[test]
+    fn verdicts_agree_with_random_segments() {
+        let mut count = 0;
+        let mut random = || {
+            count += 1;
+            (hash(count, 3) >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (mut all, mut nothing) = (0, 0);
+        for _ in 0..3000 {
+            let mut point = |z: f64| DVec3::new(random(), random(), z + 0.3 * random());
+            let a = [point(0.0), point(0.0), point(0.0)];
+            let b = [point(1.0), point(1.0), point(1.0)];
+            let (size, middle) = (
+                3.0 * random(),
+                DVec3::new(2.0 * random(), 2.0 * random(), 0.65),
+            );
+            let screen = [0.0, 1.0, 2.0].map(|k: f64| {
+                let (sine, cosine) = (k * core::f64::consts::TAU / 3.0).sin_cos();
+                middle + size * DVec3::new(cosine, sine, 0.0)
+            });
+            let screen = occluder(&screen);
+            let verdict = screen.blocks(&a, &b, 1e-12);
+            for _ in 0..50 {
+                let mut on = |t: &[DVec3; 3]| {
+                    let (u, v) = (random(), random());
+                    let u = u.sqrt();
+                    t[0] * (1.0 - u) + t[1] * (u * (1.0 - v)) + t[2] * (u * v)
+                };
+                let (x, y) = (on(&a), on(&b));
+                let at = x.lerp(y, (0.65 - x.z) / (y.z - x.z));
+                let inside = screen.edges.iter().zip(screen.polygon.corners());
+                let is_hit = inside.take(3).all(|(edge, &c)| (at - c).dot(*edge) > 0.0);
+                match verdict {
+                    Blocks::All => assert!(is_hit, "{at} is hidden"),
+                    Blocks::Nothing => assert!(!is_hit, "{at} is clear"),
+                    Blocks::Part => {}
+                }
+            }
+            all += usize::from(verdict == Blocks::All);
+            nothing += usize::from(verdict == Blocks::Nothing);
+        }
+        assert!(all > 500 && nothing > 200, "{all} hidden, {nothing} clear");
+    }
+
+    #[test]
+    fn boxes_beside_a_shaft_are_told_from_boxes_in_it() {
+        let unit = |x: f64, y: f64, z: f64| Bounds {
+            low: DVec3::new(x, y, z),
+            high: DVec3::new(x + 1.0, y + 1.0, z + 1.0),
+        };
+        let (a, b) = (unit(0.0, 0.0, 0.0), unit(8.0, 8.0, 0.0));
+        assert!(unit(4.0, 4.0, 0.5).meets_shaft(&a, &b), "on the diagonal");
+        assert!(unit(4.0, 5.5, 0.0).meets_shaft(&a, &b), "it touches");
+        assert!(
+            !unit(2.0, 6.0, 0.0).meets_shaft(&a, &b),
+            "in the corner of the box around both"
+        );
+        assert!(!unit(4.0, 4.0, 2.0).meets_shaft(&a, &b), "above");
+        assert!(unit(0.2, 0.2, 0.2).meets_shaft(&a, &b), "at one end");
+        assert!(
+            unit(0.0, 0.0, 0.0).meets_shaft(&a, &a),
+            "a shaft of one box"
+        );
+    }
+}

@@ -36,37 +36,36 @@ const JACOBI: [&[(f64, f64)]; 3] = [
     ],
 ];
 
-/// Points on a polygon with weights that sum to its area, each coordinate an array of its own so that loops over them
-/// become SIMD instructions. Points beyond those in use have weight 0.
+/// Points that one SIMD instruction handles.
+const LANES: usize = 4;
+
+/// Points on a polygon with weights that sum to its area, in `PACKS` of four with each coordinate on its own, so that
+/// loops over them become SIMD instructions. Points beyond those in use have weight 0.
 #[derive(Debug, Clone, Copy)]
-pub struct Nodes<const N: usize> {
-    x: [f64; N],
-    y: [f64; N],
-    z: [f64; N],
-    weight: [f64; N],
+pub struct Nodes<const PACKS: usize> {
+    x: [[f64; LANES]; PACKS],
+    y: [[f64; LANES]; PACKS],
+    z: [[f64; LANES]; PACKS],
+    weight: [[f64; LANES]; PACKS],
+    count: usize,
 }
 
-impl<const N: usize> Nodes<N> {
+impl<const PACKS: usize> Nodes<PACKS> {
     /// A product rule of `side` points, 2 to 4, each way over a convex polygon of three or four corners: Gauss-Legendre
     /// over the bilinear map of a quad, Gauss-Jacobi times Gauss-Legendre over a triangle, drawn from its first corner.
     pub fn new(corners: &[DVec3], side: usize) -> Self {
         let mut nodes = Self {
-            x: [corners[0].x; N],
-            y: [corners[0].y; N],
-            z: [corners[0].z; N],
-            weight: [0.0; N],
-        };
-        let mut next = 0;
-        let mut push = |point: DVec3, weight: f64| {
-            [nodes.x[next], nodes.y[next], nodes.z[next]] = point.to_array();
-            nodes.weight[next] = weight;
-            next += 1;
+            x: [[corners[0].x; LANES]; PACKS],
+            y: [[corners[0].y; LANES]; PACKS],
+            z: [[corners[0].z; LANES]; PACKS],
+            weight: [[0.0; LANES]; PACKS],
+            count: 0,
         };
         if let &[a, b, c] = corners {
             let doubled = (b - a).cross(c - a).length();
             for &(u, wu) in JACOBI[side - 2] {
                 for &(v, wv) in GAUSS[side - 2] {
-                    push(a + (b.lerp(c, v) - a) * u, wu * wv * doubled);
+                    nodes.push(a + (b.lerp(c, v) - a) * u, wu * wv * doubled);
                 }
             }
             return nodes;
@@ -76,44 +75,79 @@ impl<const N: usize> Nodes<N> {
             let (low, high) = (a.lerp(b, u), d.lerp(c, u));
             for &(v, wv) in GAUSS[side - 2] {
                 let jacobian = (b - a).lerp(c - d, v).cross(high - low).length();
-                push(low.lerp(high, v), wu * wv * jacobian);
+                nodes.push(low.lerp(high, v), wu * wv * jacobian);
             }
         }
         nodes
     }
 
-    /// The points with their weights.
-    pub fn iter(&self) -> impl Iterator<Item = (DVec3, f64)> + '_ {
-        (0..N).map(|i| (DVec3::new(self.x[i], self.y[i], self.z[i]), self.weight[i]))
+    fn push(&mut self, point: DVec3, weight: f64) {
+        let (pack, lane) = (self.count / LANES, self.count % LANES);
+        self.x[pack][lane] = point.x;
+        self.y[pack][lane] = point.y;
+        self.z[pack][lane] = point.z;
+        self.weight[pack][lane] = weight;
+        self.count += 1;
     }
 
-    /// `weight × height` of each point over a plane.
-    fn weighted_heights(&self, origin: DVec3, normal: DVec3) -> [f64; N] {
-        core::array::from_fn(|i| {
-            let height = (self.x[i] - origin.x) * normal.x
-                + (self.y[i] - origin.y) * normal.y
-                + (self.z[i] - origin.z) * normal.z;
-            self.weight[i] * height
+    fn point(&self, i: usize) -> DVec3 {
+        let (pack, lane) = (i / LANES, i % LANES);
+        DVec3::new(self.x[pack][lane], self.y[pack][lane], self.z[pack][lane])
+    }
+
+    /// The points in use with their weights.
+    pub fn iter(&self) -> impl Iterator<Item = (DVec3, f64)> + '_ {
+        (0..self.count).map(|i| (self.point(i), self.weight[i / LANES][i % LANES]))
+    }
+
+    /// `weight × height` of the points of a pack over a plane.
+    fn weighted_heights(&self, pack: usize, origin: DVec3, normal: DVec3) -> [f64; LANES] {
+        let (x, y, z) = (&self.x[pack], &self.y[pack], &self.z[pack]);
+        core::array::from_fn(|lane| {
+            let height = (x[lane] - origin.x) * normal.x
+                + (y[lane] - origin.y) * normal.y
+                + (z[lane] - origin.z) * normal.z;
+            self.weight[pack][lane] * height
         })
     }
 
-    /// `π ∫∫ cos cos / r⁴ dA dA` over two planar polygons wholly in front of each other's plane.
+    /// `1/π ∫∫ cos cos / r² dA dA` over two planar polygons wholly in front of each other's plane.
     ///
     /// The distance times the cosine at a point is its height over the other's plane, whatever point of that is
-    /// meant: heights are taken once, and a pair of points costs one division.
-    pub fn exchange<const M: usize>(&self, normal: DVec3, to: &Nodes<M>, to_normal: DVec3) -> f64 {
-        let here = self.weighted_heights(DVec3::new(to.x[0], to.y[0], to.z[0]), to_normal);
-        let there = to.weighted_heights(DVec3::new(self.x[0], self.y[0], self.z[0]), normal);
-        let mut sums = [0.0; M];
-        for i in 0..N {
-            let (x, y, z, height) = (self.x[i], self.y[i], self.z[i], here[i]);
-            for j in 0..M {
-                let (dx, dy, dz) = (to.x[j] - x, to.y[j] - y, to.z[j] - z);
-                let squared = dx * dx + dy * dy + dz * dz;
-                sums[j] += height / (squared * squared);
+    /// meant: heights are taken once, and two pairs of points share a division.
+    pub fn exchange(&self, normal: DVec3, to: &Self, to_normal: DVec3) -> f64 {
+        let mut here = [[0.0; LANES]; PACKS];
+        for (pack, here) in here.iter_mut().enumerate() {
+            *here = self.weighted_heights(pack, to.point(0), to_normal);
+        }
+        let mut total = [0.0; LANES];
+        for pack in 0..PACKS {
+            let there = to.weighted_heights(pack, self.point(0), normal);
+            let (x, y, z) = (&to.x[pack], &to.y[pack], &to.z[pack]);
+            let fourth_power = |from: DVec3| -> [f64; LANES] {
+                core::array::from_fn(|lane| {
+                    let (dx, dy, dz) = (x[lane] - from.x, y[lane] - from.y, z[lane] - from.z);
+                    let squared = dx * dx + dy * dy + dz * dz;
+                    squared * squared
+                })
+            };
+            let mut sums = [0.0; LANES];
+            for i in (0..self.count).step_by(2) {
+                // An odd last point has one of weight 0 beside it.
+                let (one, two) = (fourth_power(self.point(i)), fourth_power(self.point(i + 1)));
+                let (h, k) = (
+                    here[i / LANES][i % LANES],
+                    here[(i + 1) / LANES][(i + 1) % LANES],
+                );
+                for lane in 0..LANES {
+                    sums[lane] += (h * two[lane] + k * one[lane]) / (one[lane] * two[lane]);
+                }
+            }
+            for lane in 0..LANES {
+                total[lane] += sums[lane] * there[lane];
             }
         }
-        sums.iter().zip(&there).map(|(s, t)| s * t).sum::<f64>() * core::f64::consts::FRAC_1_PI
+        total.iter().sum::<f64>() * core::f64::consts::FRAC_1_PI
     }
 }
 
@@ -129,9 +163,9 @@ pub struct Site {
     /// Area.
     pub area: f64,
     /// Two points each way.
-    pub nodes2: Nodes<4>,
+    pub nodes2: Nodes<1>,
     /// Three points each way.
-    pub nodes3: Nodes<12>,
+    pub nodes3: Nodes<3>,
 }
 
 impl Site {
