@@ -1,6 +1,7 @@
 //! Form factors: which share of the light that leaves one node arrives where.
 
 pub mod analytic;
+mod arrivals;
 pub mod cached;
 pub mod delta_factors;
 pub mod hemicube;
@@ -9,6 +10,7 @@ pub mod matrix;
 pub mod nusselt;
 pub mod polygon;
 pub mod raycast;
+mod viewpoints;
 
 pub use cached::Cached;
 pub use kind::{FormFactorKind, FormFactorOptions};
