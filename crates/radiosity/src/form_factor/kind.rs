@@ -2,7 +2,9 @@
 
 use crate::error::RadiosityError;
 use crate::form_factor::hemicube::{Hemicube, HemicubeOptions};
-use crate::form_factor::{FormFactors, RayCast, RayCastOptions};
+use crate::form_factor::{
+    FormFactors, Hemisphere, HemisphereOptions, Nusselt, NusseltOptions, RayCast, RayCastOptions,
+};
 use crate::patch::PatchMesh;
 use std::sync::Arc;
 
@@ -14,6 +16,10 @@ pub enum FormFactorKind {
     RayCast,
     /// Item buffers on the faces of a half cube.
     Hemicube,
+    /// Rays through cells of equal form factor.
+    Hemisphere,
+    /// Exact factors of points of the patch, times what rays see.
+    Nusselt,
 }
 
 /// What the ways to form factors need to know; each looks at its own part.
@@ -23,17 +29,28 @@ pub struct FormFactorOptions {
     pub raycast: RayCastOptions,
     /// Resolution and number of hemicubes.
     pub hemicube: HemicubeOptions,
+    /// Cells and number of hemispheres; their seed is that of the rays.
+    pub hemisphere: HemisphereOptions,
+    /// Number of points and rays of Nusselt's analog; its seed is that of the rays.
+    pub nusselt: NusseltOptions,
 }
 
 impl FormFactorKind {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::RayCast, Self::Hemicube];
+    pub const ALL: [Self; 4] = [
+        Self::RayCast,
+        Self::Hemicube,
+        Self::Hemisphere,
+        Self::Nusselt,
+    ];
 
     /// Name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::RayCast => "raycast",
             Self::Hemicube => "hemicube",
+            Self::Hemisphere => "hemisphere",
+            Self::Nusselt => "nusselt",
         }
     }
 
@@ -46,9 +63,14 @@ impl FormFactorKind {
         mesh: Arc<PatchMesh>,
         options: &FormFactorOptions,
     ) -> Result<Box<dyn FormFactors>, RadiosityError> {
+        let seed = options.raycast.seed;
         Ok(match self {
             Self::RayCast => Box::new(RayCast::new(mesh, options.raycast)),
             Self::Hemicube => Box::new(Hemicube::new(mesh, options.hemicube)?),
+            Self::Hemisphere => {
+                Box::new(Hemisphere::new(mesh, options.hemisphere.with_seed(seed))?)
+            }
+            Self::Nusselt => Box::new(Nusselt::new(mesh, options.nusselt.with_seed(seed))?),
         })
     }
 }
