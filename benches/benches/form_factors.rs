@@ -2,7 +2,8 @@
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use hemicube::radiosity::form_factor::polygon::{FlatPolygon, exchange_area};
+use hemicube::radiosity::form_factor::analytic::unoccluded::Rules;
+use hemicube::radiosity::form_factor::polygon::FlatPolygon;
 use hemicube::radiosity::form_factor::raycast::Strategy;
 use hemicube::radiosity::{FormFactors, PatchMesh, PatchOptions, RayCast, RayCastOptions, Row};
 use hemicube::scene::builtin;
@@ -25,11 +26,12 @@ fn pairs(c: &mut Criterion) {
             u.cross(v),
         )
     };
+    let rules = Rules::default();
     let below = square(Vec3::ZERO, Vec3::X, Vec3::Y);
     for distance in [1.0, 3.0, 10.0, 100.0] {
         let above = square(Vec3::Z * distance, Vec3::Y, Vec3::X);
         group.bench_function(format!("{distance} m apart"), |b| {
-            b.iter(|| exchange_area(black_box(&below), black_box(&above)));
+            b.iter(|| rules.exchange_of_polygons(black_box(&below), black_box(&above)));
         });
     }
     group.finish();

@@ -1,6 +1,8 @@
 //! What the tests share: reference data, and the folder of real files that is not part of the project.
 
 pub mod enclosures;
+pub mod shapes;
+pub mod surfaces;
 
 use glam::Vec3;
 use hemicube::raster::Rgb;

@@ -1,4 +1,4 @@
-//! Low-discrepancy points, on polygons and over the hemisphere.
+//! Low-discrepancy and stratified points, on polygons and over the hemisphere.
 //!
 //! Sequences are additive recurrences with the generalised golden ratio (Roberts 2018: `α_k = φ_d^-k`), shifted modulo
 //! 1 by a hash (Cranley, Patterson 1976). They need one multiplication a dimension and any prefix of them is even.
@@ -46,6 +46,46 @@ pub fn point4(index: u32, seed: u64) -> [f32; 4] {
         fraction(i * R4[2], high),
         fraction(i * R4[3], high >> 32),
     ]
+}
+
+/// Points of the unit square, one drawn in each cell of a grid, row by row ("jittered"; Cook 1986). The grid is as square
+/// as it can be with at most `count` cells, at least 1: a few less than `count` where that has no such grid.
+pub fn stratified2(count: u32, seed: u64) -> Vec<[f32; 2]> {
+    let count = count.max(1);
+    let rows = count.isqrt();
+    let columns = count / rows;
+    let unit = |bits: u64| (bits & 0xFF_FFFF) as f32 / (1 << 24) as f32;
+    let within =
+        |i: u32, cells: u32, bits: u64| ((i as f32 + unit(bits)) / cells as f32).min(0.999_999_94);
+    (0..rows * columns)
+        .map(|cell| {
+            let bits = hash(seed, u64::from(cell));
+            [
+                within(cell % columns, columns, bits),
+                within(cell / columns, rows, bits >> 32),
+            ]
+        })
+        .collect()
+}
+
+/// Pairs of points of two unit squares, each stratified as by [`stratified2`], mated at random.
+pub fn stratified4(count: u32, seed: u64) -> Vec<[f32; 4]> {
+    let (first, mut second) = (
+        stratified2(count, hash(seed, 0)),
+        stratified2(count, hash(seed, 1)),
+    );
+    shuffle(&mut second, hash(seed, 2));
+    let pairs = first.into_iter().zip(second);
+    pairs.map(|([u, v], [s, t])| [u, v, s, t]).collect()
+}
+
+/// Fisher and Yates's shuffle.
+fn shuffle<T>(items: &mut [T], seed: u64) {
+    for i in (1..items.len()).rev() {
+        // The bias of a remainder is below 2^-32 for what fits memory.
+        let other = hash(seed, i as u64) % (i as u64 + 1);
+        items.swap(i, usize::try_from(other).unwrap_or(0));
+    }
 }
 
 /// Fractional part of the sum of `x` and 32 shifting bits.
@@ -123,6 +163,34 @@ mod tests {
             (mean - 2.0 / 3.0).abs() < 1e-3,
             "mean cosine {mean} of density cos θ / π is 2/3"
         );
+    }
+
+    #[test]
+    fn strata_have_a_point_each() {
+        for count in [1, 2, 7, 64, 100, 1000] {
+            let points = stratified4(count, 5);
+            let (rows, cells) = (count.isqrt() as usize, points.len());
+            let columns = cells / rows;
+            assert!(
+                cells <= count as usize && 10 * cells >= 7 * count as usize,
+                "{count} points wanted, {cells} given"
+            );
+            for square in 0..2 {
+                let mut hits = vec![0; cells];
+                let cell = |x: f32, cells: usize| {
+                    let edges = (1..=cells).map(|i| i as f32);
+                    edges.take_while(|&edge| edge <= x * cells as f32).count()
+                };
+                for point in &points {
+                    let (u, v) = (point[2 * square], point[2 * square + 1]);
+                    hits[cell(v, rows) * columns + cell(u, columns)] += 1;
+                }
+                assert!(
+                    hits.iter().all(|&n| n == 1),
+                    "square {square} of {count}: every cell has one point"
+                );
+            }
+        }
     }
 
     #[test]

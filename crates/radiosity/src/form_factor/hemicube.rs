@@ -28,8 +28,11 @@
 //! inside its outline, such as furniture on a floor; smaller patches end it.
 
 use crate::error::RadiosityError;
+use crate::form_factor::analytic::unoccluded::Rules;
+use crate::form_factor::arrivals::{Arrivals, add};
 pub use crate::form_factor::delta_factors::{CubeFace, DeltaFactors};
-use crate::form_factor::polygon::{FlatPolygon, exchange_area};
+use crate::form_factor::polygon::FlatPolygon;
+use crate::form_factor::viewpoints::{Viewpoint, Viewpoints};
 use crate::form_factor::{FormFactors, Row};
 use crate::patch::face::Side;
 use crate::patch::{NodeId, NodeKind, PatchMesh};
@@ -108,8 +111,7 @@ pub struct Hemicube {
     options: HemicubeOptions,
     deltas: DeltaFactors,
     bands: usize,
-    /// Of each element: radius around its centroid.
-    radii: Vec<f32>,
+    viewpoints: Viewpoints,
     /// Whether light passes through an element.
     layered: bool,
     /// Buffers that are not in use.
@@ -122,21 +124,10 @@ impl Hemicube {
     /// # Errors
     /// Options out of their range.
     pub fn new(mesh: Arc<PatchMesh>, options: HemicubeOptions) -> Result<Self, RadiosityError> {
-        if ![1, 4, 16].contains(&options.max_points) {
-            return Err(RadiosityError::Option(format!(
-                "{} hemicubes for a patch are not 1, 4 or 16",
-                options.max_points
-            )));
-        }
-        let radius = |&id: &NodeId| {
-            let (polygon, centre) = (mesh.polygon(id), mesh.node(id).centroid);
-            let distances = polygon.iter().map(|c| c.distance(centre));
-            distances.fold(0.0, f32::max)
-        };
         Ok(Self {
             deltas: DeltaFactors::new(options.resolution)?,
             bands: if mesh.visibility().is_tinted() { 3 } else { 1 },
-            radii: mesh.elements().iter().map(radius).collect(),
+            viewpoints: Viewpoints::new(mesh.clone(), options.max_points, "hemicubes")?,
             layered: mesh.transmittance().iter().any(|t| !t.is_black()),
             spare: Mutex::new(Vec::new()),
             options,
@@ -156,12 +147,12 @@ impl Hemicube {
 
     /// Number of hemicubes over which the row of a node is averaged.
     pub fn points(&self, source: NodeId) -> usize {
-        self.views(source).len()
+        self.viewpoints.of(source).len()
     }
 
     /// The item buffers of a node's first hemicube.
     pub fn item_buffers(&self, source: NodeId) -> ItemBuffers {
-        let seen = self.transform(&self.views(source)[0]);
+        let seen = self.transform(&self.viewpoints.of(source)[0]);
         let public = |item: &u32| match Item::unpack(*item) {
             None => ItemBuffers::NOTHING,
             Some(Item { is_back: true, .. }) => ItemBuffers::ABSORBED,
@@ -179,90 +170,8 @@ impl Hemicube {
         }
     }
 
-    /// The points at which hemicubes stand on a node.
-    fn views(&self, source: NodeId) -> Vec<View> {
-        let mesh = &*self.mesh;
-        let node = mesh.node(source);
-        let polygon = mesh.polygon(source);
-        let side = self.points_per_side(source);
-        let parts = exposed_parts(mesh, source);
-        let points = match (parts.last(), side) {
-            (Some(&(total, _)), _) => {
-                // Points that happen to lie close to the solid see it too large; more of them even that out.
-                let count = 4 * (side * side).max(4).min(self.options.max_points);
-                let stratum = |i: u32| {
-                    let wanted = total * (i as f32 + 0.5) / count as f32;
-                    let part = parts.partition_point(|&(sum, _)| sum <= wanted);
-                    let (_, element) = parts[part.min(parts.len() - 1)];
-                    let point = mesh.exposed(element).point(point2(i, u64::from(source.0)));
-                    (point, 1.0 / f64::from(count))
-                };
-                (0..count).map(stratum).collect()
-            }
-            (None, 1) => vec![(node.centroid, 1.0)],
-            (None, 2) => gauss_points(&polygon, &GAUSS_2),
-            (None, _) => gauss_points(&polygon, &GAUSS_4),
-        };
-        let frame = |(i, (point, weight)): (u64, (Vec3, f64))| {
-            let turn = hash(u64::from(source.0), i) >> 40;
-            let angle = turn as f32 / (1 << 24) as f32 * core::f32::consts::TAU;
-            let (t, b) = node.normal.any_orthonormal_pair();
-            let tangent = (t * angle.cos() + b * angle.sin()).normalize();
-            View {
-                origin: mesh.visibility().off_surface(point, node.normal),
-                axes: [tangent, node.normal.cross(tangent), node.normal],
-                weight,
-            }
-        };
-        (0..).zip(points).map(frame).collect()
-    }
-
-    /// 1, 2 or 4, by the distance from the centre to the nearest surface above the node's plane.
-    fn points_per_side(&self, source: NodeId) -> u32 {
-        let mesh = &*self.mesh;
-        let node = mesh.node(source);
-        let polygon = mesh.polygon(source);
-        let edge = (0..polygon.len())
-            .map(|i| polygon[i].distance(polygon[(i + 1) % polygon.len()]))
-            .fold(0.0, f32::max);
-        let most = match self.options.max_points {
-            1 => return 1,
-            4 => 2,
-            _ => 4,
-        };
-        let floor = 2.0 * mesh.visibility().offset(node.centroid);
-        let nearest = (0..mesh.elements().len())
-            .filter(|&e| mesh.exposed_area(e) > 0.0)
-            .filter(|&e| {
-                let corners = mesh.polygon(mesh.elements()[e]);
-                corners
-                    .iter()
-                    .any(|&c| (c - node.centroid).dot(node.normal) > floor)
-            })
-            .fold(3.0 * edge, |best, e| self.nearer(node.centroid, e, best));
-        if nearest >= 3.0 * edge {
-            1
-        } else if nearest >= 1.25 * edge {
-            most.min(2)
-        } else {
-            most
-        }
-    }
-
-    /// The distance from a point to an element if it is less than `best`, else `best`.
-    fn nearer(&self, point: Vec3, element: usize, best: f32) -> f32 {
-        let id = self.mesh.elements()[element];
-        let node = self.mesh.node(id);
-        let offset = point - node.centroid;
-        let reach = best + self.radii[element];
-        if offset.length_squared() >= reach * reach || offset.dot(node.normal).abs() >= best {
-            return best;
-        }
-        distance_to_polygon(point, &self.mesh.polygon(id), node.normal).min(best)
-    }
-
     /// Everything above a hemicube's plane in its own frame.
-    fn transform(&self, view: &View) -> Seen {
+    fn transform(&self, view: &Viewpoint) -> Seen {
         let mesh = &*self.mesh;
         let [t, b, n] = view.axes;
         let vertices: Vec<Vec3> = mesh
@@ -294,7 +203,7 @@ impl Hemicube {
             if from_behind && both_receive {
                 continue;
             }
-            nearest = self.nearer(view.origin, element, nearest);
+            nearest = self.viewpoints.nearer(view.origin, element, nearest);
             let item = Item {
                 element,
                 is_back: from_behind || mesh.exposed_area(element) == 0.0,
@@ -494,7 +403,7 @@ impl Hemicube {
     }
 
     /// Factors of the receivers that are too small and far to be counted in cells, in each band.
-    fn small_receivers(&self, source: NodeId, views: &[View]) -> Vec<(usize, Rgb)> {
+    fn small_receivers(&self, source: NodeId, views: &[Viewpoint]) -> Vec<(usize, Rgb)> {
         let mesh = &*self.mesh;
         let node = mesh.node(source);
         let polygon = mesh.polygon(source);
@@ -506,12 +415,13 @@ impl Hemicube {
         // The mean delta factor is 1 / (3 N²).
         let smallest = FEW_CELLS / (3.0 * resolution * resolution);
         let flat = FlatPolygon::new(&polygon, node.normal);
+        let rules = Rules::default();
         let visibility = mesh.visibility();
         let factor = |(e, &id): (usize, &NodeId)| {
             let to = mesh.node(id);
             let offset = to.centroid - node.centroid;
             let distance2 = offset.length_squared();
-            let reach = 2.0 * (radius + self.radii[e]);
+            let reach = 2.0 * (radius + self.viewpoints.radius(e));
             let cosines = offset.dot(node.normal) * -offset.dot(to.normal) / distance2;
             if distance2 < reach * reach || cosines < 1e-6 || mesh.exposed_area(e) == 0.0 {
                 return None;
@@ -520,7 +430,8 @@ impl Hemicube {
             if estimate >= smallest {
                 return None;
             }
-            let unoccluded = exchange_area(&flat, &FlatPolygon::new(&mesh.polygon(id), to.normal))
+            let unoccluded = rules
+                .exchange_of_polygons(&flat, &FlatPolygon::new(&mesh.polygon(id), to.normal))
                 / flat.area().max(1e-30);
             let exposed = mesh.exposed(e);
             let seed = hash(u64::from(source.0), u64::from(id.0));
@@ -562,10 +473,8 @@ impl FormFactors for Hemicube {
     }
 
     fn fill_row(&self, source: NodeId, row: &mut Row) {
-        row.clear(self.bands);
-        let views = self.views(source);
-        let mut received = vec![[0.0; 3]; self.mesh.elements().len()];
-        let (mut absorbed, mut escaped) = ([0.0; 3], [0.0; 3]);
+        let views = self.viewpoints.of(source);
+        let mut arrivals = Arrivals::new(self.mesh.elements().len());
         for views in views.chunks(VIEWS_AT_ONCE) {
             let seen: Vec<Seen> = views.par_iter().map(|v| self.transform(v)).collect();
             let tallies: Vec<Tally> = (0..5 * views.len())
@@ -575,50 +484,18 @@ impl FormFactors for Hemicube {
             // In this order on any number of threads.
             for (i, tally) in tallies.iter().enumerate() {
                 let weighted = |share: [f64; 3]| share.map(|s| s * views[i / 5].weight);
-                add(&mut absorbed, weighted(tally.absorbed));
-                add(&mut escaped, weighted(tally.escaped));
+                add(&mut arrivals.absorbed, weighted(tally.absorbed));
+                add(&mut arrivals.escaped, weighted(tally.escaped));
                 for &(element, share) in &tally.received {
-                    add(&mut received[element], weighted(share));
+                    add(&mut arrivals.received[element], weighted(share));
                 }
             }
         }
         for (element, factor) in self.small_receivers(source, &views) {
-            received[element] = [0, 1, 2].map(|band| f64::from(factor[band]));
+            arrivals.received[element] = [0, 1, 2].map(|band| f64::from(factor[band]));
         }
-        self.close(&received, absorbed, escaped, row);
+        arrivals.write(&self.mesh, self.bands, row);
     }
-}
-
-impl Hemicube {
-    /// Writes a row, divided by its sum.
-    fn close(&self, received: &[[f64; 3]], absorbed: [f64; 3], escaped: [f64; 3], row: &mut Row) {
-        let transmittance = self.mesh.transmittance();
-        let scale = [0, 1, 2].map(|band| {
-            let kept = received.iter().zip(transmittance);
-            let kept: f64 = kept
-                .map(|(share, through)| share[band] * f64::from(1.0 - through[band]))
-                .sum();
-            1.0 / (kept + absorbed[band] + escaped[band]).max(1e-30)
-        });
-        let found = |(_, share): &(u32, &[f64; 3])| share.iter().any(|&s| s > 0.0);
-        let found: Vec<(u32, &[f64; 3])> = (0..).zip(received).filter(found).collect();
-        row.receivers.extend(found.iter().map(|&(e, _)| e));
-        for band in 0..self.bands {
-            let factor = |(_, share): &(u32, &[f64; 3])| to_f32(share[band] * scale[band]);
-            row.fractions.extend(found.iter().map(factor));
-        }
-        row.absorbed = [0, 1, 2].map(|band| to_f32(absorbed[band] * scale[band]));
-        row.escaped = [0, 1, 2].map(|band| to_f32(escaped[band] * scale[band]));
-    }
-}
-
-/// Where a hemicube stands.
-#[derive(Debug, Clone, Copy)]
-struct View {
-    origin: Vec3,
-    /// Two axes in the patch's plane and its normal.
-    axes: [Vec3; 3],
-    weight: f64,
 }
 
 /// What may be seen from a hemicube.
@@ -695,92 +572,7 @@ impl Buffers {
     }
 }
 
-/// Nodes in [0, 1] and weights of Gauss-Legendre quadrature.
-const GAUSS_2: [(f32, f64); 2] = [(0.211_324_87, 0.5), (0.788_675_1, 0.5)];
-const GAUSS_4: [(f32, f64); 4] = [
-    (0.069_431_84, 0.173_927_422_568_726_93),
-    (0.330_009_5, 0.326_072_577_431_273_07),
-    (0.669_990_5, 0.326_072_577_431_273_07),
-    (0.930_568_16, 0.173_927_422_568_726_93),
-];
-
-/// Points of a product rule on a polygon, a triangle being a quad whose last corner meets the first. Weights sum to 1.
-fn gauss_points(polygon: &[Vec3], rule: &[(f32, f64)]) -> Vec<(Vec3, f64)> {
-    let (a, b, c) = (polygon[0], polygon[1], polygon[2]);
-    let d = polygon.get(3).copied().unwrap_or(a);
-    let mut points = Vec::with_capacity(rule.len() * rule.len());
-    for &(u, wu) in rule {
-        for &(v, wv) in rule {
-            let point = a.lerp(b, u).lerp(d.lerp(c, u), v);
-            let (along_u, along_v) = ((b - a).lerp(c - d, v), (d - a).lerp(c - b, u));
-            let jacobian = f64::from(along_u.cross(along_v).length());
-            points.push((point, wu * wv * jacobian));
-        }
-    }
-    let sum: f64 = points.iter().map(|&(_, weight)| weight).sum();
-    points.iter_mut().for_each(|(_, weight)| *weight /= sum);
-    points
-}
-
-/// Elements of a patch with running sums of their exposed areas; empty if all of it is exposed, or none.
-fn exposed_parts(mesh: &PatchMesh, id: NodeId) -> Vec<(f32, usize)> {
-    let Some(patch) = mesh.patch_of_node(id) else {
-        return Vec::new();
-    };
-    let elements = mesh.elements_of_patch(patch);
-    let is_whole = |e: usize| mesh.exposed_area(e) == mesh.node(mesh.elements()[e]).area;
-    if elements.clone().all(is_whole) {
-        return Vec::new();
-    }
-    let mut sum = 0.0;
-    elements
-        .filter(|&e| mesh.exposed_area(e) > 0.0)
-        .map(|e| {
-            sum += mesh.exposed_area(e);
-            (sum, e)
-        })
-        .collect()
-}
-
-/// Distance from a point to a planar convex polygon.
-fn distance_to_polygon(point: Vec3, polygon: &[Vec3], normal: Vec3) -> f32 {
-    let mut is_over = true;
-    let mut nearest2 = f32::INFINITY;
-    for (i, &a) in polygon.iter().enumerate() {
-        let edge = polygon[(i + 1) % polygon.len()] - a;
-        let offset = point - a;
-        is_over &= edge.cross(offset).dot(normal) >= 0.0;
-        let along = (offset.dot(edge) / edge.length_squared().max(1e-30)).clamp(0.0, 1.0);
-        nearest2 = nearest2.min((offset - edge * along).length_squared());
-    }
-    if is_over {
-        (point - polygon[0]).dot(normal).abs()
-    } else {
-        nearest2.sqrt()
-    }
-}
-
-fn add(sum: &mut [f64; 3], share: [f64; 3]) {
-    for (sum, share) in sum.iter_mut().zip(share) {
-        *sum += share;
-    }
-}
-
 #[expect(clippy::cast_possible_truncation, reason = "factors are kept in f32")]
 fn to_f32(x: f64) -> f32 {
     x as f32
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn distances_to_a_square() {
-        let square = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
-        let distance = |x, y, z| distance_to_polygon(Vec3::new(x, y, z), &square, Vec3::Z);
-        assert_eq!(distance(0.5, 0.5, 2.0), 2.0, "over the square");
-        assert_eq!(distance(0.5, 0.5, -2.0), 2.0, "below the square");
-        assert_eq!(distance(4.0, 0.5, 4.0), 5.0, "beside an edge");
-    }
 }

@@ -2,7 +2,10 @@
 
 use crate::error::RadiosityError;
 use crate::form_factor::hemicube::{Hemicube, HemicubeOptions};
-use crate::form_factor::{Analytic, AnalyticOptions, FormFactors, RayCast, RayCastOptions};
+use crate::form_factor::{
+    Analytic, AnalyticOptions, FormFactors, Hemisphere, HemisphereOptions, Nusselt, NusseltOptions,
+    RayCast, RayCastOptions,
+};
 use crate::patch::PatchMesh;
 use std::sync::Arc;
 
@@ -16,6 +19,10 @@ pub enum FormFactorKind {
     Analytic,
     /// Item buffers on the faces of a half cube.
     Hemicube,
+    /// Rays through cells of equal form factor.
+    Hemisphere,
+    /// Exact factors of points of the patch, times what rays see.
+    Nusselt,
 }
 
 /// What the ways to form factors need to know; each looks at its own part.
@@ -27,11 +34,21 @@ pub struct FormFactorOptions {
     pub raycast: RayCastOptions,
     /// Resolution and number of hemicubes.
     pub hemicube: HemicubeOptions,
+    /// Cells and number of hemispheres; their seed is that of the rays.
+    pub hemisphere: HemisphereOptions,
+    /// Number of points and rays of Nusselt's analog; its seed is that of the rays.
+    pub nusselt: NusseltOptions,
 }
 
 impl FormFactorKind {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::RayCast, Self::Analytic, Self::Hemicube];
+    pub const ALL: [Self; 5] = [
+        Self::RayCast,
+        Self::Analytic,
+        Self::Hemicube,
+        Self::Hemisphere,
+        Self::Nusselt,
+    ];
 
     /// Name on the command line and in reports.
     pub fn name(self) -> &'static str {
@@ -39,6 +56,8 @@ impl FormFactorKind {
             Self::RayCast => "raycast",
             Self::Analytic => "analytic",
             Self::Hemicube => "hemicube",
+            Self::Hemisphere => "hemisphere",
+            Self::Nusselt => "nusselt",
         }
     }
 
@@ -51,10 +70,15 @@ impl FormFactorKind {
         mesh: Arc<PatchMesh>,
         options: &FormFactorOptions,
     ) -> Result<Box<dyn FormFactors>, RadiosityError> {
+        let seed = options.raycast.seed;
         Ok(match self {
             Self::RayCast => Box::new(RayCast::new(mesh, options.raycast)),
             Self::Analytic => Box::new(Analytic::new(mesh, options.analytic)?),
             Self::Hemicube => Box::new(Hemicube::new(mesh, options.hemicube)?),
+            Self::Hemisphere => {
+                Box::new(Hemisphere::new(mesh, options.hemisphere.with_seed(seed))?)
+            }
+            Self::Nusselt => Box::new(Nusselt::new(mesh, options.nusselt.with_seed(seed))?),
         })
     }
 }

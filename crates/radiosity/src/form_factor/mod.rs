@@ -1,19 +1,27 @@
 //! Form factors: which share of the light that leaves one node arrives where.
 
 pub mod analytic;
+mod arrivals;
 pub mod cached;
 pub mod delta_factors;
+pub mod estimate;
 pub mod hemicube;
+pub mod hemisphere;
 pub mod kind;
 pub mod matrix;
 pub mod nusselt;
+pub mod nusselt_rows;
 pub mod polygon;
 pub mod raycast;
+mod viewpoints;
 
 pub use analytic::{Analytic, AnalyticOptions};
 pub use cached::Cached;
+pub use estimate::{Estimate, EstimatedRow, Sampler, Sampling};
+pub use hemisphere::{Hemisphere, HemisphereOptions};
 pub use kind::{FormFactorKind, FormFactorOptions};
 pub use matrix::{MatrixOptions, Storage, ViewFactorMatrix};
+pub use nusselt_rows::{Nusselt, NusseltOptions};
 pub use raycast::{RayCast, RayCastOptions};
 
 use crate::patch::{NodeId, PatchMesh};

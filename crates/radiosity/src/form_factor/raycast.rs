@@ -1,7 +1,7 @@
 //! Form factors with visibility by casting rays, two ways.
 //!
 //! *Pairs* (after Wallace, Elmquist, Haines 1989): the unoccluded factor to every element in front, computed by
-//! [`exchange_area`](super::polygon::exchange_area), times the share of rays between points of both that get through.
+//! [`Rules`], times the share of rays between points of both that get through.
 //! Unoccluded light is free of noise; the error is that of visibility, at most about `1/(2√k)` of the factor where `k`
 //! rays meet a shadow edge, and that geometry and visibility are taken as independent within one pair.
 //!
@@ -9,9 +9,11 @@
 //! on the number of elements; each factor `F` has a standard error below `√(F/N)`.
 //!
 //! Either way the row closes exactly: rays over the hemisphere tell what backs absorb and what escapes, and the factors
-//! are scaled to the rest where they differ from it by more than its error.
+//! are scaled to the rest where they differ from it by more than its error; by much more, where nothing hides anything,
+//! because then the factors of pairs are the better judge.
 
-use crate::form_factor::polygon::{FlatPolygon, exchange_of_parts, facing_parts};
+use crate::form_factor::analytic::unoccluded::Rules;
+use crate::form_factor::polygon::{FlatPolygon, facing_parts};
 use crate::form_factor::{FormFactors, Row};
 use crate::patch::exposure::ExposedArea;
 use crate::patch::{NodeId, NodeKind, PatchMesh, Polygon};
@@ -72,6 +74,7 @@ impl Default for RayCastOptions {
 pub struct RayCast {
     mesh: Arc<PatchMesh>,
     options: RayCastOptions,
+    pub(super) rules: Rules,
     bands: usize,
     /// Of each patch: its share of rays beyond that of its area.
     brightness: Vec<f64>,
@@ -90,6 +93,7 @@ impl RayCast {
             .sum();
         Self {
             bands: if mesh.visibility().is_tinted() { 3 } else { 1 },
+            rules: Rules::default(),
             mean_element_area: total / elements.max(1) as f64,
             brightness: brightness(&mesh, total),
             rays: AtomicU64::new(0),
@@ -99,6 +103,14 @@ impl RayCast {
             },
             mesh,
         }
+    }
+
+    pub(super) fn mesh_ref(&self) -> &PatchMesh {
+        &self.mesh
+    }
+
+    pub(super) fn count_rays(&self, rays: u64) {
+        self.rays.fetch_add(rays, Ordering::Relaxed);
     }
 
     /// Rays that a shot of this patch would take: rays from emitters carry about the same flux as
@@ -127,42 +139,49 @@ impl RayCast {
         let mesh = &*self.mesh;
         let from = Shooter::new(mesh, source);
         let boost = if emits(mesh, source) { 4.0 } else { 1.0 };
-        let found: Vec<(u32, Rgb)> = mesh
+        let found: Vec<(u32, PairFactor)> = mesh
             .elements()
             .par_iter()
             .enumerate()
             .with_min_len(256)
             .filter_map(|(e, &id)| {
-                let fraction = self.pair(&from, e, id, boost);
-                (!fraction.is_black()).then(|| (crate::index32(e), fraction))
+                let factor = self.pair(&from, e, id, boost);
+                factor.is_some().then(|| (crate::index32(e), factor))
             })
             .collect();
-        for &(e, _) in &found {
-            row.receivers.push(e);
-        }
+        self.write_pairs(&found, &from, row);
+    }
+
+    /// Fills a row of factors of pairs and makes it account for everything, by rays over the hemisphere.
+    pub(super) fn write_pairs(&self, found: &[(u32, PairFactor)], from: &Shooter, row: &mut Row) {
+        row.clear(self.bands);
+        let seen = || found.iter().filter(|(_, pair)| !pair.visible.is_black());
+        row.receivers.extend(seen().map(|&(e, _)| e));
         for band in 0..self.bands {
-            row.fractions
-                .extend(found.iter().map(|(_, fraction)| fraction[band]));
+            let fractions = seen().map(|(_, pair)| to_f32(pair.unoccluded) * pair.visible[band]);
+            row.fractions.extend(fractions);
         }
-        let (backs, outside, rays) = self.probe(&from);
-        close(mesh, row, backs, outside, rays);
+        let nothing_between = found.iter().all(|(_, pair)| pair.visible == Rgb::WHITE);
+        let is_exact = nothing_between && from.exposed.is_empty();
+        let (backs, outside, rays) = self.probe(from);
+        close(&self.mesh, row, is_exact, backs, outside, rays);
     }
 
     /// `F_Pe` in each band.
-    fn pair(&self, from: &Shooter, e: usize, element: NodeId, boost: f64) -> Rgb {
+    fn pair(&self, from: &Shooter, e: usize, element: NodeId, boost: f64) -> PairFactor {
         let mesh = &*self.mesh;
         let node = mesh.node(element);
         let polygon = mesh.polygon(element);
         if from.is_apart(node.normal, &polygon) {
-            return Rgb::BLACK;
+            return PairFactor::default();
         }
         let exposed = mesh.exposed(e);
         let flat = FlatPolygon::new(&polygon, node.normal);
         let Some((near, far)) = facing_parts(&from.flat, &flat).filter(|_| exposed.area() > 0.0)
         else {
-            return Rgb::BLACK;
+            return PairFactor::default();
         };
-        let exchange = exchange_of_parts(&near, &far);
+        let exchange = self.rules.exchange_of_parts(&near, &far);
         let share = exchange / f64::from(node.area) * boost;
         let rays = ray_count(
             share * f64::from(self.options.rays),
@@ -189,7 +208,11 @@ impl RayCast {
                 }
             },
         );
-        visible * to_f32(exchange / from.area) * (exposed.area() / node.area)
+        let unoccluded = exchange / from.area * f64::from(exposed.area() / node.area);
+        PairFactor {
+            unoccluded,
+            visible,
+        }
     }
 
     /// Shares of light that arrive at backs and nowhere, per band, and the number of rays that tell so.
@@ -222,7 +245,7 @@ impl RayCast {
     /// Makes a row of received factors account for everything; see the end of the module's page.
     pub(super) fn close_row(&self, source: NodeId, row: &mut Row) {
         let (backs, outside, rays) = self.probe(&Shooter::new(&self.mesh, source));
-        close(&self.mesh, row, backs, outside, rays);
+        close(&self.mesh, row, true, backs, outside, rays);
     }
 
     /// Casts cosine-distributed rays from a patch; `meet` adds what a surface keeps of a ray to the chunk's tally.
@@ -293,7 +316,23 @@ impl RayCast {
                     if kept > 1e-6 { taken[band] / kept } else { 0.0 }
                 }));
         }
-        close(mesh, row, absorbed, escaped, rays);
+        close(mesh, row, false, absorbed, escaped, rays);
+    }
+}
+
+/// The factor of a pair.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct PairFactor {
+    /// As if nothing were between.
+    pub(super) unoccluded: f64,
+    /// The share that rays saw.
+    pub(super) visible: Rgb,
+}
+
+impl PairFactor {
+    /// Whether anything could arrive.
+    pub(super) fn is_some(&self) -> bool {
+        self.unoccluded > 0.0
     }
 }
 
@@ -375,7 +414,7 @@ fn mean_transmittance(
 }
 
 /// What a row needs to know of the node that shoots.
-struct Shooter {
+pub(super) struct Shooter {
     id: NodeId,
     polygon: Polygon,
     flat: FlatPolygon,
@@ -388,7 +427,7 @@ struct Shooter {
 }
 
 impl Shooter {
-    fn new(mesh: &PatchMesh, id: NodeId) -> Self {
+    pub(super) fn new(mesh: &PatchMesh, id: NodeId) -> Self {
         let node = mesh.node(id);
         let polygon = mesh.polygon(id);
         let flat = FlatPolygon::new(&polygon, node.normal);
@@ -406,7 +445,7 @@ impl Shooter {
     }
 
     /// A point of the exposed part for one of the unit square.
-    fn point(&self, [u, v]: [f32; 2]) -> Vec3 {
+    pub(super) fn point(&self, [u, v]: [f32; 2]) -> Vec3 {
         let Some(&(total, _)) = self.exposed.last() else {
             return polygon_point(&self.polygon, [u, v]);
         };
@@ -489,33 +528,58 @@ fn brightness(mesh: &PatchMesh, total_area: f64) -> Vec<f64> {
 /// Makes a row account for everything. What is not received goes to backs and outside in proportion to what `rays`
 /// rays saw there; where it differs from that by more than a standard error, or where they saw nothing lost, the
 /// factors are scaled.
-fn close(mesh: &PatchMesh, row: &mut Row, backs: Rgb, outside: Rgb, rays: u32) {
+///
+/// By more than one standard error, if that is large beside what the factors of occluded pairs may be off by: a few rays that
+/// meet a far receiver would spoil its factor.
+///
+/// Factors between which there is nothing (`is_exact`) say better what is lost than the rays: they may differ by five
+/// standard errors, and have their gap even where no ray found it, unless it is a narrow one.
+fn close(mesh: &PatchMesh, row: &mut Row, is_exact: bool, backs: Rgb, outside: Rgb, rays: u32) {
     let n = row.receivers.len();
     let one_ray = 1.0 / f64::from(rays);
-    for band in 0..3 {
+    for band in 0..row.bands {
         let received = row.sum(mesh, band);
         let (back, out) = (f64::from(backs[band]), f64::from(outside[band]));
         let lost = (back + out).min(1.0);
         let error = (lost.max(one_ray) * (1.0 - lost).max(one_ray) * one_ray).sqrt();
-        let rest = match (received > 0.0, lost > 0.0) {
+        let gap = 1.0 - received;
+        let reach = if is_exact {
+            5.0
+        } else {
+            1.0 + error / (OCCLUDED * received).max(1e-30)
+        };
+        let has_gap = lost > 0.0 || (is_exact && gap > CERTAIN_GAP);
+        let rest = match (received > 0.0, has_gap) {
             (false, _) => 1.0,
             (true, false) => 0.0,
-            (true, true) => (1.0 - received)
-                .clamp(lost - error, lost + error)
+            (true, true) => gap
+                .clamp(lost - reach * error, lost + reach * error)
                 .clamp(0.0, 1.0),
         };
-        // The factors of a row of one band are scaled once.
-        if received > 0.0 && band < row.bands {
+        if received > 0.0 {
             let scale = to_f32((1.0 - rest) / received);
-            row.fractions[band * n..(band + 1) * n]
-                .iter_mut()
-                .for_each(|f| *f *= scale);
+            let factors = &mut row.fractions[band * n..(band + 1) * n];
+            factors.iter_mut().for_each(|f| *f *= scale);
         }
-        let to_backs = if lost > 0.0 { back / (back + out) } else { 1.0 };
+        let to_backs = match (received > 0.0, lost > 0.0) {
+            (_, true) => back / (back + out),
+            (true, false) => 0.0,
+            (false, false) => 1.0,
+        };
         row.absorbed[band] = to_f32(rest * to_backs);
         row.escaped[band] = to_f32(rest * (1.0 - to_backs));
     }
+    if row.bands == 1 {
+        row.absorbed = [row.absorbed[0]; 3];
+        row.escaped = [row.escaped[0]; 3];
+    }
 }
+
+/// Relative error that the sum of a row of occluded factors may have.
+const OCCLUDED: f64 = 0.1;
+/// Gap that unoccluded factors are believed against rays that found none. Factors of pairs with a small gap or angle are
+/// good to 1e-3 only, and a closed scene that leaks is worse than a chink that is stopped.
+const CERTAIN_GAP: f64 = 5e-3;
 
 fn emits(mesh: &PatchMesh, id: NodeId) -> bool {
     match mesh.node(id).kind {

@@ -15,10 +15,9 @@
 //! Over the area of the other polygon the hidden part is integrated by adaptive cubature. Shadow edges make it bend but
 //! not jump; the cell with the largest estimated error is split first.
 
-use super::exchange::Exchange;
+use super::exchange::{Exchange, exchange};
 use super::shaft::{Blocks, Occluder};
 use super::site::{Nodes, Site};
-use super::unoccluded::Rules;
 use crate::form_factor::polygon::{FlatPolygon, contour_sum, facing_parts, point_to_polygon};
 use core::f64::consts::PI;
 use glam::DVec3;
@@ -458,6 +457,7 @@ pub fn occluded_exchange(
     occluders: &[&[DVec3]],
     tolerance: f64,
 ) -> Exchange {
+    let whole = exchange(a, b);
     let (a, b) = (Site::new(a), Site::new(b));
     let Some((part_a, part_b)) = facing_parts(&a.polygon, &b.polygon) else {
         return Exchange::default();
@@ -476,10 +476,9 @@ pub fn occluded_exchange(
         rounding,
         &mut Shadows::new(),
     );
-    let whole = Rules::new(1e-9).exchange(&a, &b);
     Exchange {
-        area: seen.of_whole(whole),
-        error: seen.error + 1e-8 * whole,
+        area: seen.of_whole(whole.area),
+        error: seen.error + whole.error,
     }
 }
 

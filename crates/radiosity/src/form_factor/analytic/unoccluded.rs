@@ -33,6 +33,13 @@ pub struct Rules {
     average: [f64; 3],
 }
 
+impl Default for Rules {
+    /// For a relative error of 1e-5.
+    fn default() -> Self {
+        Self::new(1e-5)
+    }
+}
+
 impl Rules {
     /// For a relative error of each factor.
     pub fn new(error: f64) -> Self {
@@ -51,9 +58,8 @@ impl Rules {
         match facing(a, b) {
             Facing::Not => 0.0,
             Facing::Whole => self.of_whole(a, b),
-            Facing::Part => {
-                facing_parts(&a.polygon, &b.polygon).map_or(0.0, |(a, b)| self.of_parts(&a, &b))
-            }
+            Facing::Part => facing_parts(&a.polygon, &b.polygon)
+                .map_or(0.0, |(a, b)| self.exchange_of_parts(&a, &b)),
         }
     }
 
@@ -68,14 +74,34 @@ impl Rules {
             return a.nodes3.exchange(na, &b.nodes3, nb);
         }
         if ratio > self.product[2] {
-            let nodes = |site: &Site| Nodes::<4>::new(site.polygon.corners(), 4);
-            return nodes(a).exchange(na, &nodes(b), nb);
+            return product::<4>(&a.polygon, &b.polygon, 4);
         }
-        self.of_parts(&a.polygon, &b.polygon)
+        self.near(&a.polygon, &b.polygon)
     }
 
-    /// Of two polygons wholly in front of each other's plane.
-    fn of_parts(&self, a: &FlatPolygon, b: &FlatPolygon) -> f64 {
+    /// [`Self::exchange`] of polygons of which nothing else is known.
+    pub fn exchange_of_polygons(&self, a: &FlatPolygon, b: &FlatPolygon) -> f64 {
+        facing_parts(a, b).map_or(0.0, |(a, b)| self.exchange_of_parts(&a, &b))
+    }
+
+    /// [`Self::exchange`] of two polygons that are wholly in front of each other's plane.
+    pub fn exchange_of_parts(&self, a: &FlatPolygon, b: &FlatPolygon) -> f64 {
+        let (centre_a, centre_b) = (a.centre(), b.centre());
+        let reach = a.radius(centre_a) + b.radius(centre_b);
+        let ratio = centre_a.distance_squared(centre_b) / (reach * reach);
+        if a.corners().len() > 4 || b.corners().len() > 4 {
+            self.near(a, b)
+        } else if ratio > self.product[0] {
+            product::<1>(a, b, 2)
+        } else if ratio > self.product[1] {
+            product::<3>(a, b, 3)
+        } else {
+            self.near(a, b)
+        }
+    }
+
+    /// The rules for pairs that are not far apart beside their size.
+    fn near(&self, a: &FlatPolygon, b: &FlatPolygon) -> f64 {
         let (centre_a, centre_b) = (a.centre(), b.centre());
         let (radius_a, radius_b) = (a.radius(centre_a), b.radius(centre_b));
         let (small, centre, radius, large) = if radius_a <= radius_b {
@@ -95,6 +121,12 @@ impl Rules {
             exchange(a.corners(), b.corners()).area
         }
     }
+}
+
+/// The product rule of `side` points each way on both polygons, in packs of four.
+fn product<const PACKS: usize>(a: &FlatPolygon, b: &FlatPolygon, side: usize) -> f64 {
+    let nodes = |polygon: &FlatPolygon| Nodes::<PACKS>::new(polygon.corners(), side);
+    nodes(a).exchange(a.normal, &nodes(b), b.normal)
 }
 
 /// `∫ F_{x,source} dA` over a convex polygon by a product rule of `side` points each way in
