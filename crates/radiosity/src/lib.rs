@@ -17,7 +17,7 @@
 //! ```
 //!
 //! # Current state
-//! Rows of form factors come from rays ([`RayCast`], which [`solve()`] uses), item buffers ([`form_factor::hemicube`]),
+//! Rows of form factors come from rays ([`RayCast`], which [`solve()`] uses), item buffers ([`form_factor::hemicube`], of three shapes),
 //! rays through equal cells ([`form_factor::hemisphere`]) or exact factors of points ([`form_factor::nusselt_rows`]);
 //! [`form_factor::estimate`] gives single factors with their standard errors; [`form_factor::analytic`] and
 //! [`form_factor::nusselt`] are functions of polygons and points. [`Shooting`] needs no matrix; [`solve::on_matrix`] runs Gauss, Jacobi, Gauss-Seidel, Southwell and gathering
