@@ -5,7 +5,8 @@ use glam::Vec3;
 use hemicube::radiosity::form_factor::analytic::unoccluded::Rules;
 use hemicube::radiosity::form_factor::polygon::FlatPolygon;
 use hemicube::radiosity::form_factor::raycast::Strategy;
-use hemicube::radiosity::{FormFactors, PatchMesh, PatchOptions, RayCast, RayCastOptions, Row};
+use hemicube::radiosity::form_factor::{FormFactorKind, FormFactorOptions};
+use hemicube::radiosity::{FormFactors, PatchMesh, PatchOptions, RayCastOptions, Row};
 use hemicube::scene::builtin;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -37,19 +38,43 @@ fn pairs(c: &mut Criterion) {
     group.finish();
 }
 
+/// Every way to a row, with its default settings; rays both ways, with those of a normal solution.
+fn ways(mesh: &Arc<PatchMesh>) -> Vec<(&'static str, Box<dyn FormFactors>)> {
+    let rays = |strategy| RayCastOptions {
+        rays: 256,
+        strategy,
+        seed: 0,
+    };
+    let built = |kind: FormFactorKind, raycast| {
+        let options = FormFactorOptions {
+            raycast,
+            ..FormFactorOptions::default()
+        };
+        let factors = kind.build(mesh.clone(), &options);
+        factors.expect("the options are good")
+    };
+    let mut ways = vec![
+        (
+            "pairs",
+            built(FormFactorKind::RayCast, rays(Strategy::Pairs)),
+        ),
+        (
+            "shots",
+            built(FormFactorKind::RayCast, rays(Strategy::Shots)),
+        ),
+    ];
+    let others = FormFactorKind::ALL
+        .into_iter()
+        .filter(|&kind| kind != FormFactorKind::RayCast);
+    ways.extend(others.map(|kind| (kind.name(), built(kind, RayCastOptions::default()))));
+    ways
+}
+
 fn rows(c: &mut Criterion) {
     let mut group = c.benchmark_group("rows of cornell");
     for elements in [1000, 10_000] {
         let mesh = mesh("cornell", elements);
-        for (name, strategy) in [("pairs", Strategy::Pairs), ("shots", Strategy::Shots)] {
-            let factors = RayCast::new(
-                mesh.clone(),
-                RayCastOptions {
-                    rays: 256,
-                    strategy,
-                    seed: 0,
-                },
-            );
+        for (name, factors) in ways(&mesh) {
             let patches = mesh.patches();
             let mut next = 0;
             let mut row = Row::default();

@@ -1,7 +1,7 @@
 //! Form factors by hemicubes against exact values, rays and themselves.
 
 use hemicube::radiosity::form_factor::hemicube::{
-    CubeFace, DeltaFactors, Hemicube, HemicubeOptions, ItemBuffers,
+    CubeFace, DeltaFactors, Hemicube, HemicubeOptions, ItemBuffers, Projection,
 };
 use hemicube::radiosity::form_factor::raycast::Strategy;
 use hemicube::radiosity::{
@@ -71,6 +71,67 @@ fn delta_factors_sum_to_one() {
         assert!(
             (sum - 1.0).abs() < 1e-11 && (deltas.sum() - 1.0).abs() < 1e-14,
             "{resolution}: {sum} cell by cell"
+        );
+    }
+}
+
+/// The other projections: sums, and single cells against `cos cos A / π r²` at their middle, good to a percent where a cell
+/// is small against its distance.
+#[test]
+fn other_projections_have_their_own_delta_factors() {
+    for projection in Projection::ALL {
+        for resolution in [16, 64, 256] {
+            let deltas = DeltaFactors::of(projection, resolution).expect("a good resolution");
+            let n = resolution as usize;
+            let (mut sum, mut cells) = (0.0, 0.0);
+            for &face in projection.faces() {
+                let viewport = face.viewport(n);
+                for y in 0..viewport.height {
+                    for x in 0..viewport.width {
+                        let delta = deltas.at(face, x, y);
+                        assert!(
+                            delta >= 0.0,
+                            "{projection:?}: {delta} in cell {x}, {y} of {face:?}"
+                        );
+                        sum += delta;
+                        cells += f64::from(u8::from(delta > 0.0));
+                    }
+                }
+            }
+            assert!(
+                (sum - 1.0).abs() < 1e-11,
+                "{projection:?}, {resolution}: {sum}"
+            );
+            // Of the tetrahedron's face half a row more is in it.
+            let stated = projection.cells(resolution);
+            assert!(
+                (stated..stated * 1.07).contains(&cells),
+                "{projection:?}, {resolution}: {cells} cells, {stated} are stated"
+            );
+        }
+    }
+    let deltas = DeltaFactors::of(Projection::CubicTetrahedron, 64).expect("good");
+    let at = |i: usize| 3.0 * (i as f64 + 0.5) / 64.0 - 2.0;
+    for (column, row) in [(63, 0), (40, 10), (63, 60), (32, 20), (50, 48)] {
+        let (x, y) = (at(column), at(63 - row));
+        let r2 = 1.0 + x * x + y * y;
+        let area = (3.0_f64 / 64.0).powi(2);
+        let exact = (x + y + 1.0) / 3.0_f64.sqrt() * area / (std::f64::consts::PI * r2 * r2);
+        let found = deltas.at(CubeFace::Corner(1), column, row);
+        assert!(
+            (found / exact - 1.0).abs() < 0.01,
+            "corner {column}, {row}: {found}, not {exact}"
+        );
+    }
+    let deltas = DeltaFactors::of(Projection::SinglePlane, 256).expect("good");
+    let at = |i: usize| 8.0 * ((i as f64 + 0.5) / 128.0 - 1.0);
+    for (column, row) in [(128, 127), (100, 150), (3, 250)] {
+        let r2 = 1.0 + at(column).powi(2) + at(row).powi(2);
+        let exact = (1.0_f64 / 16.0).powi(2) / (std::f64::consts::PI * r2 * r2) / 0.9874;
+        let found = deltas.at(CubeFace::Plane, column, row);
+        assert!(
+            (found / exact - 1.0).abs() < 0.01,
+            "plane {column}, {row}: {found}, not {exact}"
         );
     }
 }

@@ -21,7 +21,7 @@
 
 use crate::form_factor::RayCast;
 use crate::form_factor::polygon::{FlatPolygon, facing_parts, point_to_polygon};
-use crate::form_factor::raycast::Shooter;
+use crate::form_factor::raycast::{Shooter, kernel};
 use crate::patch::{NodeId, NodeKind};
 use crate::sampling::{cosine_direction, hash, point2, point4, stratified2, stratified4};
 use glam::Vec3;
@@ -323,10 +323,7 @@ impl RayCast {
     /// A ray between points of two surfaces, weighted by the kernel.
     fn add_ray(&self, share: &mut Share, [x, y]: [Vec3; 2], normals: [Vec3; 2]) {
         let visibility = self.mesh_ref().visibility();
-        let offset = y - x;
-        let squared = offset.length_squared();
-        let cosines = (offset.dot(normals[0]) * -offset.dot(normals[1])).max(0.0);
-        let weight = cosines / (squared * squared).max(f32::MIN_POSITIVE);
+        let weight = kernel(y - x, normals);
         if weight > 0.0 {
             let from = visibility.off_surface(x, normals[0]);
             let to = visibility.off_surface(y, normals[1]);

@@ -23,6 +23,8 @@
 //! 5. Panes and alpha masks let the mean transmittance of the element through: the layers behind are drawn again, without
 //!    what lies in front (depth peeling; Everitt 2001), up to eight deep. What passes the eighth counts as absorbed.
 //!
+//! [`Projection`] has two others to compare with: three triangles or one square in place of the five faces.
+//!
 //! # Limits
 //! Rows of clusters panic. Where elements of different size meet, a cell may look through the seam. A patch wider than 16 hemicubes do justice to keeps an error towards what touches it
 //! inside its outline, such as furniture on a floor; smaller patches end it.
@@ -30,7 +32,7 @@
 use crate::error::RadiosityError;
 use crate::form_factor::analytic::unoccluded::Rules;
 use crate::form_factor::arrivals::{Arrivals, add};
-pub use crate::form_factor::delta_factors::{CubeFace, DeltaFactors};
+pub use crate::form_factor::delta_factors::{CubeFace, DeltaFactors, Projection};
 use crate::form_factor::polygon::FlatPolygon;
 use crate::form_factor::viewpoints::{Viewpoint, Viewpoints};
 use crate::form_factor::{FormFactors, Row};
@@ -65,6 +67,8 @@ pub struct HemicubeOptions {
     /// (0.3 %), else 16. Of a patch that is partly buried, four times as many stand on its exposed part.
     /// Default value: 16.
     pub max_points: u32,
+    /// What stands on the points. Default value: a hemicube.
+    pub projection: Projection,
 }
 
 impl Default for HemicubeOptions {
@@ -72,6 +76,7 @@ impl Default for HemicubeOptions {
         Self {
             resolution: 256,
             max_points: 16,
+            projection: Projection::Hemicube,
         }
     }
 }
@@ -86,6 +91,11 @@ impl HemicubeOptions {
     pub fn with_max_points(self, max_points: u32) -> Self {
         Self { max_points, ..self }
     }
+
+    /// Another projection.
+    pub fn with_projection(self, projection: Projection) -> Self {
+        Self { projection, ..self }
+    }
 }
 
 /// What the five faces of one hemicube see, to be shown.
@@ -93,8 +103,8 @@ impl HemicubeOptions {
 pub struct ItemBuffers {
     /// Cells along an edge of the top.
     pub resolution: usize,
-    /// Elements seen, row by row from above, in the order of [`CubeFace::ALL`]; panes count as opaque.
-    pub faces: [Vec<u32>; 5],
+    /// Elements seen, row by row from above, in the order of [`Projection::faces`]; panes count as opaque.
+    pub faces: Vec<Vec<u32>>,
 }
 
 impl ItemBuffers {
@@ -125,7 +135,7 @@ impl Hemicube {
     /// Options out of their range.
     pub fn new(mesh: Arc<PatchMesh>, options: HemicubeOptions) -> Result<Self, RadiosityError> {
         Ok(Self {
-            deltas: DeltaFactors::new(options.resolution)?,
+            deltas: DeltaFactors::of(options.projection, options.resolution)?,
             bands: if mesh.visibility().is_tinted() { 3 } else { 1 },
             viewpoints: Viewpoints::new(mesh.clone(), options.max_points, "hemicubes")?,
             layered: mesh.transmittance().iter().any(|t| !t.is_black()),
@@ -160,14 +170,22 @@ impl Hemicube {
         };
         ItemBuffers {
             resolution: self.options.resolution as usize,
-            faces: CubeFace::ALL.map(|face| {
-                let mut buffers = self.buffers();
-                self.draw(&seen, face, &mut buffers);
-                let items = buffers.items.iter().map(public).collect();
-                self.give_back(buffers);
-                items
-            }),
+            faces: self
+                .faces()
+                .iter()
+                .map(|&face| {
+                    let mut buffers = self.buffers();
+                    self.draw(&seen, face, &mut buffers);
+                    let items = buffers.items.iter().map(public).collect();
+                    self.give_back(buffers);
+                    items
+                })
+                .collect(),
         }
+    }
+
+    fn faces(&self) -> &'static [CubeFace] {
+        self.options.projection.faces()
     }
 
     /// Everything above a hemicube's plane in its own frame.
@@ -210,9 +228,9 @@ impl Hemicube {
             };
             items.push((id, item.pack()));
         }
-        // A point at this distance is at least 1/√3 of it before one of the faces; the depth buffer is the finer the
-        // farther its near plane.
-        let near = (0.57 * nearest).max(mesh.visibility().offset(view.origin));
+        // The depth buffer is the finer the farther its near plane.
+        let near = (self.options.projection.least_depth() * nearest)
+            .max(mesh.visibility().offset(view.origin));
         Seen {
             vertices,
             items,
@@ -320,18 +338,12 @@ impl Hemicube {
             }
         };
         for (row, items) in buffers.items.chunks(width).enumerate() {
-            // Runs of cells with the same item are added up before the item is looked up.
-            let (mut run, mut share) = (items[0], 0.0);
-            let half_row = self.deltas.half_row(face, row);
-            let mirrored = half_row.iter().rev().chain(half_row);
-            items.iter().zip(mirrored).for_each(|(&item, &delta)| {
-                if item != run {
-                    add(run, share);
-                    (run, share) = (item, 0.0);
-                }
-                share += delta;
-            });
-            add(run, share);
+            if matches!(face, CubeFace::Corner(_)) {
+                add_runs(items, self.deltas.corner_row(row).iter(), &mut add);
+            } else {
+                let half_row = self.deltas.half_row(face, row);
+                add_runs(items, half_row.iter().rev().chain(half_row), &mut add);
+            }
         }
         tally.escaped = [tally.escaped[0]; 3];
         tally.absorbed = [tally.absorbed[0]; 3];
@@ -411,9 +423,7 @@ impl Hemicube {
             .iter()
             .map(|c| c.distance(node.centroid))
             .fold(0.0, f32::max);
-        let resolution = f64::from(self.options.resolution);
-        // The mean delta factor is 1 / (3 N²).
-        let smallest = FEW_CELLS / (3.0 * resolution * resolution);
+        let smallest = FEW_CELLS / self.options.projection.cells(self.options.resolution);
         let flat = FlatPolygon::new(&polygon, node.normal);
         let rules = Rules::default();
         let visibility = mesh.visibility();
@@ -473,17 +483,18 @@ impl FormFactors for Hemicube {
     }
 
     fn fill_row(&self, source: NodeId, row: &mut Row) {
-        let views = self.viewpoints.of(source);
+        let (views, faces) = (self.viewpoints.of(source), self.faces());
         let mut arrivals = Arrivals::new(self.mesh.elements().len());
         for views in views.chunks(VIEWS_AT_ONCE) {
             let seen: Vec<Seen> = views.par_iter().map(|v| self.transform(v)).collect();
-            let tallies: Vec<Tally> = (0..5 * views.len())
+            let count = faces.len();
+            let tallies: Vec<Tally> = (0..count * views.len())
                 .into_par_iter()
-                .map(|i| self.face_tally(&seen[i / 5], CubeFace::ALL[i % 5]))
+                .map(|i| self.face_tally(&seen[i / count], faces[i % count]))
                 .collect();
             // In this order on any number of threads.
             for (i, tally) in tallies.iter().enumerate() {
-                let weighted = |share: [f64; 3]| share.map(|s| s * views[i / 5].weight);
+                let weighted = |share: [f64; 3]| share.map(|s| s * views[i / count].weight);
                 add(&mut arrivals.absorbed, weighted(tally.absorbed));
                 add(&mut arrivals.escaped, weighted(tally.escaped));
                 for &(element, share) in &tally.received {
@@ -495,6 +506,27 @@ impl FormFactors for Hemicube {
             arrivals.received[element] = [0, 1, 2].map(|band| f64::from(factor[band]));
         }
         arrivals.write(&self.mesh, self.bands, row);
+    }
+}
+
+/// Adds up runs of cells with the same item before the item is looked up; cells through which no light passes do not count.
+fn add_runs<'a>(
+    items: &[u32],
+    deltas: impl Iterator<Item = &'a f64>,
+    add: &mut impl FnMut(u32, f64),
+) {
+    let (mut run, mut share) = (items[0], 0.0);
+    items.iter().zip(deltas).for_each(|(&item, &delta)| {
+        if item != run {
+            if share > 0.0 {
+                add(run, share);
+            }
+            (run, share) = (item, 0.0);
+        }
+        share += delta;
+    });
+    if share > 0.0 {
+        add(run, share);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Form factors by subdividing the hemisphere into cells of equal form factor.
 //!
-//! The hemicube's cells differ: one in the middle of the top passes eight times as much light as one in a corner, and those
+//! The hemicube's cells differ: one in the middle of the top passes nine times as much light as one in its corner, and those
 //! near the patch's plane next to none. Over the hemisphere cells can be equal. By Nusselt's analog a cell's form factor
 //! is its area in the unit circle below, so the circle is cut into cells of equal *area*, as square as can be, and a ray
 //! goes up from each (Malley's method, Shirley and Wang 1992, says that such rays are distributed as diffuse light):

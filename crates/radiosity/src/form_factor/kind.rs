@@ -1,7 +1,7 @@
 //! Choosing a way to form factors by its name.
 
 use crate::error::RadiosityError;
-use crate::form_factor::hemicube::{Hemicube, HemicubeOptions};
+use crate::form_factor::hemicube::{Hemicube, HemicubeOptions, Projection};
 use crate::form_factor::{
     Analytic, AnalyticOptions, FormFactors, Hemisphere, HemisphereOptions, Nusselt, NusseltOptions,
     RayCast, RayCastOptions,
@@ -19,6 +19,10 @@ pub enum FormFactorKind {
     Analytic,
     /// Item buffers on the faces of a half cube.
     Hemicube,
+    /// Item buffers on the three triangles of a cube's corner, with the options of the hemicube.
+    CubicTetrahedron,
+    /// An item buffer on a wide square, with the options of the hemicube.
+    SinglePlane,
     /// Rays through cells of equal form factor.
     Hemisphere,
     /// Exact factors of points of the patch, times what rays see.
@@ -42,10 +46,12 @@ pub struct FormFactorOptions {
 
 impl FormFactorKind {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 7] = [
         Self::RayCast,
         Self::Analytic,
         Self::Hemicube,
+        Self::CubicTetrahedron,
+        Self::SinglePlane,
         Self::Hemisphere,
         Self::Nusselt,
     ];
@@ -56,6 +62,8 @@ impl FormFactorKind {
             Self::RayCast => "raycast",
             Self::Analytic => "analytic",
             Self::Hemicube => "hemicube",
+            Self::CubicTetrahedron => "cubic-tetrahedron",
+            Self::SinglePlane => "single-plane",
             Self::Hemisphere => "hemisphere",
             Self::Nusselt => "nusselt",
         }
@@ -71,10 +79,16 @@ impl FormFactorKind {
         options: &FormFactorOptions,
     ) -> Result<Box<dyn FormFactors>, RadiosityError> {
         let seed = options.raycast.seed;
+        let item_buffers = |projection| -> Result<Box<dyn FormFactors>, RadiosityError> {
+            let options = options.hemicube.with_projection(projection);
+            Ok(Box::new(Hemicube::new(mesh.clone(), options)?))
+        };
         Ok(match self {
             Self::RayCast => Box::new(RayCast::new(mesh, options.raycast)),
             Self::Analytic => Box::new(Analytic::new(mesh, options.analytic)?),
-            Self::Hemicube => Box::new(Hemicube::new(mesh, options.hemicube)?),
+            Self::Hemicube => item_buffers(Projection::Hemicube)?,
+            Self::CubicTetrahedron => item_buffers(Projection::CubicTetrahedron)?,
+            Self::SinglePlane => item_buffers(Projection::SinglePlane)?,
             Self::Hemisphere => {
                 Box::new(Hemisphere::new(mesh, options.hemisphere.with_seed(seed))?)
             }

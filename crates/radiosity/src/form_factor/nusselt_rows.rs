@@ -17,7 +17,7 @@
 
 use crate::error::RadiosityError;
 use crate::form_factor::polygon::{FlatPolygon, point_to_polygon};
-use crate::form_factor::raycast::{PairFactor, Shooter};
+use crate::form_factor::raycast::{PairFactor, Shooter, kernel};
 use crate::form_factor::viewpoints::{Viewpoint, Viewpoints};
 use crate::form_factor::{FormFactors, RayCast, RayCastOptions, Row};
 use crate::patch::{NodeId, PatchMesh};
@@ -177,11 +177,8 @@ impl Nusselt {
                 continue;
             };
             let to = part.point(point2(i, seed)).as_vec3();
-            let offset = to - from.point;
-            let squared = offset.length_squared();
-            let cosines = (offset.dot(from.axes[2]) * -offset.dot(normal)).max(0.0);
-            let kernel = cosines / (squared * squared).max(f32::MIN_POSITIVE);
-            let weight = kernel * to_f32(from.weight * part.area() / own.max(1e-30));
+            let share = to_f32(from.weight * part.area() / own.max(1e-30));
+            let weight = share * kernel(to - from.point, [from.axes[2], normal]);
             if weight > 0.0 {
                 let to = visibility.off_surface(to, normal);
                 sum += visibility.transmittance(from.origin, to) * weight;

@@ -475,6 +475,13 @@ impl Shooter {
     }
 }
 
+/// `cos cos / r²` of two points by the unit normals of their surfaces; 0 where one is behind the other.
+pub(super) fn kernel(offset: Vec3, [from, to]: [Vec3; 2]) -> f32 {
+    let squared = offset.length_squared();
+    let cosines = (offset.dot(from) * -offset.dot(to)).max(0.0);
+    cosines / (squared * squared).max(f32::MIN_POSITIVE)
+}
+
 /// The exposed elements of a patch with running sums of their areas; empty if all of it is exposed, or none.
 fn exposed_parts(mesh: &PatchMesh, id: NodeId) -> Vec<(f32, ExposedArea)> {
     let Some(patch) = mesh.patch_of_node(id) else {
