@@ -93,7 +93,8 @@ impl Visibility {
 
     /// Whether a side of a face receives light; the others only block and absorb.
     pub fn receives(&self, face: usize, side: Side) -> bool {
-        side == Side::Front || self.scene.materials[self.faces[face].material as usize].double_sided
+        let lit = self.scene.materials[self.faces[face].material as usize].lit_sides();
+        lit > side as usize
     }
 
     /// Length of the diagonal around all faces: farther away there is nothing.

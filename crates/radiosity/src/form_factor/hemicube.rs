@@ -240,6 +240,7 @@ impl Hemicube {
                     .any(|&c| (c - node.centroid).dot(node.normal) > floor)
             })
             .fold(3.0 * edge, |best, e| self.nearer(node.centroid, e, best));
+        let nearest = self.nearer_obstruction(node.centroid, Some(node.normal), nearest);
         if nearest >= 3.0 * edge {
             1
         } else if nearest >= 1.25 * edge {
@@ -261,8 +262,24 @@ impl Hemicube {
         distance_to_polygon(point, &self.mesh.polygon(id), node.normal).min(best)
     }
 
+    /// The distance from a point to the nearest obstruction if it is less than `best`, else `best`; those wholly below
+    /// the plane of a normal do not count.
+    fn nearer_obstruction(&self, point: Vec3, above: Option<Vec3>, best: f32) -> f32 {
+        let floor = 2.0 * self.mesh.visibility().offset(point);
+        let faces = self.mesh.obstructions().iter();
+        let faces = faces.map(|&(face, _)| &self.mesh.faces()[face as usize]);
+        faces
+            .filter(|face| {
+                let is_above = |n: Vec3| face.polygon().iter().any(|&c| (c - point).dot(n) > floor);
+                above.is_none_or(is_above)
+            })
+            .fold(best, |best, face| {
+                distance_to_polygon(point, face.polygon(), face.normal).min(best)
+            })
+    }
+
     /// Everything above a hemicube's plane in its own frame.
-    fn transform(&self, view: &View) -> Seen {
+    fn transform(&self, view: &View) -> Seen<'_> {
         let mesh = &*self.mesh;
         let [t, b, n] = view.axes;
         let vertices: Vec<Vec3> = mesh
@@ -299,8 +316,14 @@ impl Hemicube {
                 element,
                 is_back: from_behind || mesh.exposed_area(element) == 0.0,
             };
-            items.push((id, item.pack()));
+            items.push((mesh.corners(id), item.pack()));
         }
+        for (_, cell) in mesh.obstructions() {
+            if cell.corners().iter().any(|&c| vertices[c as usize].z > 0.0) {
+                items.push((cell.corners(), self.obstruction()));
+            }
+        }
+        let nearest = self.nearer_obstruction(view.origin, None, nearest);
         // A point at this distance is at least 1/√3 of it before one of the faces; the depth buffer is the finer the
         // farther its near plane.
         let near = (0.57 * nearest).max(mesh.visibility().offset(view.origin));
@@ -311,15 +334,23 @@ impl Hemicube {
         }
     }
 
+    /// The item of all obstructions: the back of an element that there is not.
+    fn obstruction(&self) -> u32 {
+        let item = Item {
+            element: self.mesh.elements().len(),
+            is_back: true,
+        };
+        item.pack()
+    }
+
     /// Calls `draw` with each triangle that may be in the picture of a face.
     fn for_each_triangle(
         &self,
-        seen: &Seen,
+        seen: &Seen<'_>,
         face: CubeFace,
         mut draw: impl FnMut(&[Vec4; 3], u32),
     ) {
-        for &(id, item) in &seen.items {
-            let indices = self.mesh.corners(id);
+        for &(indices, item) in &seen.items {
             let mut corners = [Vec4::ZERO; 4];
             for (corner, &i) in corners.iter_mut().zip(indices) {
                 *corner = face.clip(seen.vertices[i as usize], seen.near);
@@ -341,7 +372,7 @@ impl Hemicube {
     }
 
     /// The item buffer of one face.
-    fn draw(&self, seen: &Seen, face: CubeFace, buffers: &mut Buffers) {
+    fn draw(&self, seen: &Seen<'_>, face: CubeFace, buffers: &mut Buffers) {
         let viewport = face.viewport(self.options.resolution as usize);
         buffers.clear(viewport);
         let (depth, items) = (&mut buffers.depth, &mut buffers.items);
@@ -352,7 +383,7 @@ impl Hemicube {
     }
 
     /// The item buffer of what lies behind `buffers.before`.
-    fn draw_behind(&self, seen: &Seen, face: CubeFace, buffers: &mut Buffers) {
+    fn draw_behind(&self, seen: &Seen<'_>, face: CubeFace, buffers: &mut Buffers) {
         let viewport = face.viewport(self.options.resolution as usize);
         buffers.clear(viewport);
         let Buffers {
@@ -383,7 +414,7 @@ impl Hemicube {
     }
 
     /// What one face of one hemicube sees.
-    fn face_tally(&self, seen: &Seen, face: CubeFace) -> Tally {
+    fn face_tally(&self, seen: &Seen<'_>, face: CubeFace) -> Tally {
         let mut buffers = self.buffers();
         self.draw(seen, face, &mut buffers);
         let tally = if self.layered {
@@ -434,7 +465,7 @@ impl Hemicube {
     }
 
     /// Sums the delta factors of an item buffer and of those behind it, as far as elements let light through.
-    fn peel(&self, seen: &Seen, face: CubeFace, buffers: &mut Buffers) -> Tally {
+    fn peel(&self, seen: &Seen<'_>, face: CubeFace, buffers: &mut Buffers) -> Tally {
         let mut tally = Tally::default();
         let width = self.options.resolution as usize;
         let cells = buffers.items.len();
@@ -458,7 +489,8 @@ impl Hemicube {
                     buffers.before[cell] = f32::INFINITY;
                     continue;
                 };
-                let passing = self.mesh.transmittance()[element];
+                let passing = self.mesh.transmittance().get(element);
+                let passing = passing.copied().unwrap_or(Rgb::BLACK);
                 let rest = Rgb::from([0, 1, 2].map(|band| through[band] * passing[band]));
                 if is_back {
                     let kept = [0, 1, 2].map(|b| delta * f64::from(through[b] - rest[b]));
@@ -567,7 +599,7 @@ impl FormFactors for Hemicube {
         let mut received = vec![[0.0; 3]; self.mesh.elements().len()];
         let (mut absorbed, mut escaped) = ([0.0; 3], [0.0; 3]);
         for views in views.chunks(VIEWS_AT_ONCE) {
-            let seen: Vec<Seen> = views.par_iter().map(|v| self.transform(v)).collect();
+            let seen: Vec<Seen<'_>> = views.par_iter().map(|v| self.transform(v)).collect();
             let tallies: Vec<Tally> = (0..5 * views.len())
                 .into_par_iter()
                 .map(|i| self.face_tally(&seen[i / 5], CubeFace::ALL[i % 5]))
@@ -623,11 +655,11 @@ struct View {
 
 /// What may be seen from a hemicube.
 #[derive(Debug)]
-struct Seen {
+struct Seen<'a> {
     /// The mesh's vertices in the hemicube's frame.
     vertices: Vec<Vec3>,
-    /// Elements above the plane with their packed items.
-    items: Vec<(NodeId, u32)>,
+    /// Vertices of the elements and obstructions above the plane, with their packed items.
+    items: Vec<(&'a [u32], u32)>,
     /// Distance of the near planes.
     near: f32,
 }

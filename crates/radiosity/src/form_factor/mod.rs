@@ -9,11 +9,13 @@ pub mod matrix;
 pub mod nusselt;
 pub mod polygon;
 pub mod raycast;
+pub mod surfaces;
 
 pub use cached::Cached;
 pub use kind::{FormFactorKind, FormFactorOptions};
 pub use matrix::{MatrixOptions, Storage, ViewFactorMatrix};
 pub use raycast::{RayCast, RayCastOptions};
+pub use surfaces::{Surfaces, SurfacesBy};
 
 use crate::patch::{NodeId, PatchMesh};
 use std::sync::Arc;
