@@ -25,6 +25,8 @@ Of .vs3 files (View3D) T, F 3 and 3a, V, S, M, N, O, C and E are read; encl=1 do
 
 /// Rays over each hemisphere: factors are the result here, not a step on the way to it.
 const RAYS: u32 = 4096;
+/// Elements beyond one for each face, for methods that sample.
+const ELEMENTS: usize = 500;
 
 /// Computes the view factors between the faces or objects of a scene
 #[derive(Debug, Args)]
@@ -58,10 +60,10 @@ pub struct FactorArgs {
     /// Cells along an edge of a hemicube, even, from 16 to 4096, for hemicube [default: 256]
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     pub hemicube_resolution: Option<u32>,
-    /// Cut faces until no edge is longer, in scene units; sums go back to the faces [default: faces stay whole]
+    /// Cut faces until no edge is longer, in scene units, and sum the parts; finer is more exact
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub element_size: Option<f32>,
-    /// Cut faces into about so many elements instead
+    /// Cut faces into about so many parts, beyond one for each, instead [default: 500]
     #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = clap::value_parser!(u32).range(1..))]
     pub elements: Option<u32>,
     /// Change the factors as little as closure (rows sum to 1) and reciprocity (A_i F_ij = A_j F_ji) allow
@@ -98,7 +100,12 @@ impl FactorArgs {
             (None, Some(count)) => PatchOptions::default()
                 .with_elements(count as usize)
                 .with_patches(count as usize),
-            (None, None) => PatchOptions::whole_faces(),
+            // Sampling a factor as a whole leaves errors of a percent; of parts, of a hundredth of that.
+            (None, None) => match self.kind() {
+                FormFactorKind::RayCast | FormFactorKind::Hemicube => PatchOptions::default()
+                    .with_elements(ELEMENTS)
+                    .with_patches(ELEMENTS),
+            },
         }
     }
 

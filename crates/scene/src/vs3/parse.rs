@@ -70,7 +70,7 @@ pub fn parse(bytes: &[u8], report: &mut ImportReport) -> Result<Document, Proble
     }
     if !parser.passed_over.is_empty() {
         let what = format!(
-            "{} are settings of View3D's own method and passed over",
+            "passed over, since they set View3D's own method: {}",
             parser.passed_over.join(", ")
         );
         parser.report.warn("control", what);
