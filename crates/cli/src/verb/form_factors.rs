@@ -219,8 +219,8 @@ impl Computed {
         let mut text = format!(
             "scene     {} ({})
 factors   {n} x {n} by {}, {}, {:.1} s
-closure   rows sum to 1 within {:.1e}{}
-pairs     A_i F_ij = A_j F_ji within {:.1e} of the smaller area: '{}', '{}'
+closure   rows sum to 1 within {}{}
+pairs     A_i F_ij = A_j F_ji within {} of the smaller area: '{}', '{}'
 largest   {:.5} from '{}' to '{}'
 sky       {} of all, at most {} of '{}'
 ",
@@ -229,9 +229,9 @@ sky       {} of all, at most {} of '{}'
             self.by.name(),
             self.way(),
             self.seconds,
-            facts.closure_error,
+            error(facts.closure_error),
             if self.corrected { ", corrected" } else { "" },
-            facts.reciprocity_error,
+            error(facts.reciprocity_error),
             name(facts.worst_pair[0]),
             name(facts.worst_pair[1]),
             facts.largest_factor,
@@ -398,6 +398,15 @@ impl Share {
 
     fn to_json(&self, computed: &Computed) -> Value {
         json!({ "mean": self.mean, "most": self.most, "of": computed.name(self.row) })
+    }
+}
+
+/// An error with two significant digits.
+fn error(x: f64) -> String {
+    if x == 0.0 {
+        String::from("0")
+    } else {
+        format!("{x:.1e}")
     }
 }
 

@@ -46,6 +46,11 @@ impl Sheet {
 
     /// Whether no part of a piece lies in the hole.
     fn is_apart(&self, piece: &[DVec3], hole: &[DVec3]) -> bool {
+        let low = |p: &[DVec3]| p.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = |p: &[DVec3]| p.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        if low(piece).cmpgt(high(hole)).any() || low(hole).cmpgt(high(piece)).any() {
+            return true;
+        }
         let mut inside = piece.to_vec();
         for (a, b) in edges(hole) {
             let (kept, _) = self.split(&inside, a, b, hole);

@@ -132,13 +132,13 @@ fn format(lines: &[Line<'_>]) -> Result<bool, Problem> {
     let Some(line) = lines.iter().rev().find(|line| line.key == 'F') else {
         return Ok(false);
     };
-    match line.rest.to_ascii_lowercase().as_str() {
+    match words(line.rest).next().unwrap_or_default().to_ascii_lowercase().as_str() {
         "3" => Ok(false),
         "3a" => Ok(true),
         "2" => Err(line.problem(
             "F 2 is the two-dimensional geometry of View2D, which is not read; write the surfaces as F 3",
         )),
-        other => Err(line.problem(&format!("F {} is no geometry; use F 3 or F 3a", shown(other)))),
+        other => Err(line.problem(&format!("{} is no geometry; use F 3 or F 3a", shown(&format!("F {other}"))))),
     }
 }
 
