@@ -140,9 +140,9 @@ fn sums_are_those_of_the_formula_and_keep_closure_and_reciprocity() {
         for storage in [Storage::Dense, Storage::Sparse, Storage::Auto] {
             let built = between(&factors, by, storage);
             assert_eq!(built.names(), surfaces.names(), "rows have names");
-            for k in 0..n * n {
+            for (k, exchange) in exchange.iter().enumerate() {
                 let (i, j) = (k / n, k % n);
-                let expected = exchange[k] / area[i];
+                let expected = exchange / area[i];
                 for matrix in [&built, &summed] {
                     let error = (f64::from(matrix.get(i, j)) - expected).abs();
                     assert!(error < 1e-7, "{} ({i}, {j}): {error:.1e} off", by.name());
@@ -270,7 +270,7 @@ fn table(text: &str) -> Vec<Vec<String>> {
     while let Some(c) = letters.next() {
         match c {
             '"' if in_quotes && letters.peek() == Some(&'"') => {
-                field.push(letters.next().expect("it is there"))
+                field.push(letters.next().expect("it is there"));
             }
             '"' => in_quotes = !in_quotes,
             ',' if !in_quotes => row.push(core::mem::take(&mut field)),

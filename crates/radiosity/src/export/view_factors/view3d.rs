@@ -7,21 +7,12 @@ use std::io::{self, Write};
 const HEADER: usize = 30;
 
 /// What a file of View3D tells besides the factors.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct View3dFacts<'a> {
     /// Emissivity of each surface, 0 to 1. Default value: none, which writes 1 (black).
     pub emissivities: &'a [f64],
     /// Whether the factors were made to close, as `encl=1` asks. Default value: false.
     pub enclosure: bool,
-}
-
-impl Default for View3dFacts<'_> {
-    fn default() -> Self {
-        Self {
-            emissivities: &[],
-            enclosure: false,
-        }
-    }
 }
 
 /// Writes the text file that View3D 4.0.0 writes with `out=0`.
