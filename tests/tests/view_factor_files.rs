@@ -520,28 +520,27 @@ fn with_obstruction(flipped: bool) -> Scene {
 /// A method of form factors by its name.
 type Method = (&'static str, fn(Arc<PatchMesh>) -> Box<dyn FormFactors>);
 
+const METHODS: [Method; 2] = [
+    ("raycast", |mesh| {
+        let options = RayCastOptions {
+            rays: 4096,
+            ..Default::default()
+        };
+        Box::new(RayCast::new(mesh, options))
+    }),
+    ("hemicube", |mesh| {
+        Box::new(Hemicube::new(mesh, HemicubeOptions::default()).expect("usual options"))
+    }),
+];
+
 #[test]
 fn obstructions_block_both_ways_and_have_no_row() {
-    // View3D 4.0.0 with eps = 1e-6, recursions of 12.
+    // View3D 4.0.0 with eps = 1e-6 and up to 12 recursions.
     let expected = 0.149_869;
-    let methods: [Method; 2] = [
-        ("raycast", |mesh| {
-            Box::new(RayCast::new(
-                mesh,
-                RayCastOptions {
-                    rays: 4096,
-                    ..Default::default()
-                },
-            ))
-        }),
-        ("hemicube", |mesh| {
-            Box::new(Hemicube::new(mesh, HemicubeOptions::default()).expect("usual options"))
-        }),
-    ];
     for flipped in [false, true] {
         let mesh = mesh_of(with_obstruction(flipped), fine(600));
         assert_eq!(mesh.obstructions().len(), 1, "the plate");
-        for (name, method) in &methods {
+        for (name, method) in METHODS {
             let matrix = between(&*method(mesh.clone()), SurfacesBy::Object, Storage::Auto);
             assert_eq!(
                 matrix.names(),
@@ -604,4 +603,49 @@ fn a_scene_of_obstructions_alone_has_nothing_to_light() {
         refused.to_string().contains("nothing to light"),
         "{refused}"
     );
+}
+
+/// The cube of FACET's manual (Shapiro 1983, UCID-19887) with a plate of two one-sided faces in one place. The factors
+/// are those of View3D 4.0.0.
+#[test]
+fn a_plate_of_two_faces_in_one_place_shows_its_fronts() {
+    let cube: String = (0..8)
+        .map(|i| [(i + 1) / 2 % 2, i / 2 % 2, i / 4])
+        .map(|[x, y, z]| format!("v {x} {y} {z}\n"))
+        .collect();
+    let plate = "v 0.25 0.75 0.25\nv 0.75 0.75 0.25\nv 0.75 0.75 0.75\nv 0.25 0.75 0.75\n";
+    let faces = "o bottom\nf 1 2 3 4\no right\nf 3 2 6 7\no top\nf 7 6 5 8\no left\nf 4 8 5 1\no behind\nf 3 7 8 4\n\
+                 o before\nf 1 5 6 2\no outside\nf 9 10 11 12\no inside\nf 12 11 10 9\n";
+    let mesh = mesh_of(obj(&format!("{cube}{plate}{faces}")), fine(500));
+    let expected = [
+        (0, 1, 0.197_469),
+        (0, 2, 0.179_233),
+        (0, 4, 0.171_494),
+        (0, 6, 0.041_448),
+        (0, 7, 0.012_847),
+        (4, 5, 0.115_621),
+        (4, 7, 0.198_613),
+        (6, 5, 0.336_817),
+        (7, 4, 0.794_453),
+    ];
+    for (name, method) in METHODS {
+        let matrix = between(&*method(mesh.clone()), SurfacesBy::Object, Storage::Auto);
+        for (i, j, factor) in expected {
+            let found = matrix.get(i, j);
+            let (from, to) = (&matrix.names()[i], &matrix.names()[j]);
+            println!("{name}: {from} to {to} {found}, expected {factor}");
+            assert!(
+                (found - factor).abs() < 2e-3,
+                "{name}: {from} to {to} is {found}, not {factor}"
+            );
+        }
+        let backs = matrix
+            .absorbed()
+            .iter()
+            .fold(0.0, |most: f64, &share| most.max(share));
+        assert!(
+            backs < 1e-3,
+            "{name}: no back can be seen, {backs} is absorbed"
+        );
+    }
 }

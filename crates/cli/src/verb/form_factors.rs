@@ -67,7 +67,7 @@ pub fn run(args: &FormFactorsVerb, global: GlobalArgs, start: Instant) -> Result
     match &*files {
         [] if computed.matrix.size() <= PRINTED => text.push_str(&computed.table()),
         [] => {
-            text.push_str("no file   the factors are written with -o F.csv, .npy, .mtx or .out\n")
+            text.push_str("no file   the factors are written with -o F.csv, .npy, .mtx or .out\n");
         }
         files => {
             let _ = writeln!(text, "wrote     {}", files.join(", "));

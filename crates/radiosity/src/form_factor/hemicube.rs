@@ -49,6 +49,9 @@ const FEW_CELLS_RAYS: u32 = 8;
 const MAX_LAYERS: usize = 8;
 /// Hemicubes that are transformed before they are drawn: bounds the memory of large scenes.
 const VIEWS_AT_ONCE: usize = 4;
+/// Share of their distance by which backs are drawn farther away than they are: where two one-sided faces make a plate,
+/// the front is seen.
+const LAG: f32 = 5e-4;
 /// A cell that sees nothing.
 const EMPTY: u32 = u32::MAX;
 
@@ -290,7 +293,8 @@ impl Hemicube {
                 Vec3::new(d.dot(t), d.dot(b), d.dot(n))
             })
             .collect();
-        let mut items = Vec::new();
+        // Of equal depths the first drawn stays: fronts come before backs.
+        let (mut items, mut backs) = (Vec::new(), Vec::new());
         let mut nearest = mesh.visibility().diameter();
         for (element, &id) in mesh.elements().iter().enumerate() {
             let is_above = |&c: &u32| vertices[c as usize].z > 0.0;
@@ -316,13 +320,15 @@ impl Hemicube {
                 element,
                 is_back: from_behind || mesh.exposed_area(element) == 0.0,
             };
-            items.push((mesh.corners(id), item.pack()));
+            let list = if item.is_back { &mut backs } else { &mut items };
+            list.push((mesh.corners(id), item.pack()));
         }
         for (_, cell) in mesh.obstructions() {
             if cell.corners().iter().any(|&c| vertices[c as usize].z > 0.0) {
-                items.push((cell.corners(), self.obstruction()));
+                backs.push((cell.corners(), self.obstruction()));
             }
         }
+        items.append(&mut backs);
         let nearest = self.nearer_obstruction(view.origin, None, nearest);
         // A point at this distance is at least 1/√3 of it before one of the faces; the depth buffer is the finer the
         // farther its near plane.
@@ -352,8 +358,11 @@ impl Hemicube {
     ) {
         for &(indices, item) in &seen.items {
             let mut corners = [Vec4::ZERO; 4];
+            let is_back = Item::unpack(item).is_some_and(|item| item.is_back);
+            let lag = if is_back { LAG * seen.near } else { 0.0 };
             for (corner, &i) in corners.iter_mut().zip(indices) {
                 *corner = face.clip(seen.vertices[i as usize], seen.near);
+                corner.z += lag;
             }
             let corners = &corners[..indices.len()];
             let is_outside = corners.iter().all(|c| c.z < 0.0)
