@@ -79,7 +79,7 @@ fn the_parts_of_a_file() {
 ! a comment
 T A room, with! marks
 / another comment
-C encl=1, EPS = 1e-5 list=2 emit=1 row=2
+C encl=1, EPS = 1e-5 epsu=? list=2 emit=1 row=2 maxU=8
 F 3
 V 1 0 0 0   ! a vertex
 V,2,1,0,0
@@ -121,6 +121,7 @@ V this is not read
     assert_warned(&scene, "emissivity 1.5");
     assert_warned(&scene, "line 4, emit=1");
     assert_warned(&scene, "line 4, row=2");
+    assert_warned(&scene, "epsu, maxU");
 }
 
 /// The corners that the formulas of azimuth and tilt give by hand.
@@ -353,6 +354,10 @@ fn what_is_wrong_is_named_with_its_line() {
     assert_refused(&at("C encl\n"), &["line 10", "encl=''"]);
     assert_refused("", &["no radiating surface"]);
     assert_refused(&at("O 1 1 2 3 4\n"), &["no radiating surface"]);
+    assert_refused(
+        &at("S 1 R 0 0 0.9 a\n"),
+        &["line 10", "shape (R)", "write F 3a"],
+    );
     assert_refused("F 3a\nS 1 X 0 0 0.9 a\n1 2 3\n", &["line 2", "shape 'X'"]);
     assert_refused(
         "F 3a\nS 1 R 0 0 0.9 a\n1 2 3 0 90\n",

@@ -204,6 +204,12 @@ impl Parser<'_> {
             .filter(|word| !word.is_empty());
         while let Some(word) = words.next() {
             let name = word.to_ascii_lowercase();
+            if ["epsu", "epso"].contains(&name.as_str()) {
+                // Older files have an accuracy for each kind of integration.
+                words.next();
+                self.passed_over.push(word.to_owned());
+                continue;
+            }
             let known = [
                 "eps", "maxu", "maxo", "mino", "row", "col", "encl", "emit", "out", "list", "prjd",
                 "maxv",
@@ -265,9 +271,16 @@ impl Parser<'_> {
 
     /// `S number v1 v2 v3 v4 base cmb emit name`
     fn surface(&mut self, line: &Line<'_>, kind: Kind) -> Result<Surface, Problem> {
-        let mut words = words(line.rest);
+        let mut words = words(line.rest).peekable();
         let number = self.document.surfaces.len() + 1;
         in_sequence(line, "surface", words.next(), number)?;
+        if let Some(shape) =
+            words.next_if(|word| matches!(*word, "R" | "r" | "T" | "t" | "Q" | "q"))
+        {
+            return Err(line.problem(&format!(
+                "surface {number} has a shape ({shape}) instead of vertices; write F 3a above it"
+            )));
+        }
         let mut vertices = [0; 4];
         for (i, vertex) in vertices.iter_mut().enumerate() {
             *vertex = index(
