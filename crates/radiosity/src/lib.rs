@@ -20,7 +20,8 @@
 //! Rows of form factors come from rays ([`RayCast`], which [`solve()`] uses) or from item buffers
 //! ([`form_factor::hemicube`]); [`form_factor::analytic`] and [`form_factor::nusselt`] are functions of polygons and
 //! points. [`Shooting`] needs no matrix; [`solve::on_matrix`] runs Gauss, Jacobi, Gauss-Seidel, Southwell and gathering
-//! on a [`form_factor::matrix`]. Radiosity is constant on an element.
+//! on a [`form_factor::matrix`]; [`form_factor::surfaces`] sums one over faces or objects, [`export::view_factors`]
+//! writes it for thermal models. Radiosity is constant on an element.
 //! Coordinates are f32: a scene more than a hundred times its size away from the origin loses percents. Light that is
 //! not emitted by surfaces (sun, points) does not get more rays for its first reflection than other reflected light.
 //! Functions behind the doors ([`solve()`], [`PatchMesh::build`]) panic only on indices that are not of the mesh.
