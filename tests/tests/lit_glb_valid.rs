@@ -1,7 +1,7 @@
 //! Lit files are valid glTF: checked here, and by Khronos' validator where it can be found.
 
 use glam::{Affine2, Vec2, Vec3};
-use hemicube::radiosity::export::lit_glb::{LitGlbOptions, write};
+use hemicube::radiosity::export::lit_glb::{self, LitGlbOptions, write};
 use hemicube::radiosity::solve::ambient::ambient_irradiance;
 use hemicube::radiosity::{Quality, Solution, SolveOptions, solve};
 use hemicube::raster::{Image, Rgb};
@@ -379,6 +379,25 @@ fn the_special_file_keeps_what_is_special() {
         texture("tiles")
     );
     assert!(texture("screen").is_object(), "a screen keeps its picture");
+}
+
+#[test]
+fn files_of_an_older_layout_are_refused_in_words() {
+    let mut bytes = lit(builtin::furnace_with(0.5, 1.0));
+    let key = b"\"version\":2";
+    let places: Vec<usize> = (0..bytes.len() - key.len())
+        .filter(|&i| bytes[i..].starts_with(key))
+        .collect();
+    assert_eq!(places.len(), 1, "the layout's number");
+    bytes[places[0] + key.len() - 1] = b'1';
+    assert!(lit_glb::is_lit(&bytes), "it is still one of ours");
+    let refused = lit_glb::read(&bytes).expect_err("its scene is laid out otherwise");
+    let message = refused.to_string();
+    assert!(
+        message.contains("layout 1, this program reads 2")
+            && message.contains("solve the scene again"),
+        "{message}"
+    );
 }
 
 #[test]

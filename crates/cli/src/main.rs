@@ -49,6 +49,7 @@ fn run(cli: &Cli, start: Instant) -> Result<(), Failure> {
         Verb::Solve(args) => verb::solve::run(args, cli.global, start),
         Verb::Measure(args) => verb::measure::run(args, cli.global, start),
         Verb::Render(args) => verb::render::run(args, cli.global, start),
+        Verb::FormFactors(args) => verb::form_factors::run(args, cli.global, start),
         Verb::Scenes => verb::scenes::run(cli.global),
         Verb::Info(args) => verb::info::run(args, cli.global),
         Verb::Completions(args) => verb::completions::run(args),

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use std::fs;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -128,15 +128,26 @@ impl Target {
 
     /// Writes the file whole or not at all.
     pub fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
-        self.write_or_error(bytes)
+        self.write_with(|out| out.write_all(bytes))
+    }
+
+    /// Writes the file whole or not at all, piece by piece: for what is too large to be held in one piece.
+    pub fn write_with(
+        &self,
+        fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        self.write_or_error(fill)
             .map_err(|e| Failure::Failed(format!("{}: {e}", self.path.display())))
     }
 
-    fn write_or_error(&self, bytes: &[u8]) -> io::Result<()> {
+    fn write_or_error(
+        &self,
+        fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
+    ) -> io::Result<()> {
         let facts = fs::metadata(&self.real);
         if facts.as_ref().is_ok_and(|facts| !facts.is_file()) {
             // A device or a pipe cannot be renamed onto.
-            return fs::write(&self.real, bytes);
+            return filled(&fs::File::create(&self.real)?, fill);
         }
         let mut builder = tempfile::Builder::new();
         builder.prefix(".hemicube-");
@@ -146,10 +157,10 @@ impl Target {
             use std::os::unix::fs::PermissionsExt as _;
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
-        let mut file = builder.tempfile_in(self.folder())?;
+        let file = builder.tempfile_in(self.folder())?;
         let unfinished = |path| *UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner) = path;
         unfinished(Some(file.path().to_path_buf()));
-        file.write_all(bytes)?;
+        filled(file.as_file(), fill)?;
         if let Ok(facts) = facts {
             file.as_file().set_permissions(facts.permissions())?;
         }
@@ -158,4 +169,14 @@ impl Target {
         unfinished(None);
         Ok(())
     }
+}
+
+/// Fills a file through a buffer.
+fn filled(
+    file: &fs::File,
+    fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(1 << 16, file);
+    fill(&mut out)?;
+    out.flush()
 }

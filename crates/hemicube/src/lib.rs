@@ -7,7 +7,7 @@
 //! use std::sync::Arc;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! // A file (.glb, .gltf, .obj) or the name of a built-in scene.
+//! // A file (.glb, .gltf, .obj, .stl, .vs3) or the name of a built-in scene.
 //! let scene = scene::open("cornell")?;
 //! let units = scene.units;
 //! // Asked before every step; `false` ends the work with the light so far.
@@ -24,7 +24,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`raster`] | images, linear colour, triangles with a z-buffer, tone mapping; knows no scene |
-//! | [`scene`] | glTF and OBJ import, materials, lights, cameras, built-in scenes |
+//! | [`scene`] | glTF, OBJ, STL and View3D import, materials, lights, cameras, built-in scenes |
 //! | [`radiosity`] | patches, form factors, solvers, solutions, lit `.glb` files |
 //! | [`render`] | pictures of solutions |
 //!

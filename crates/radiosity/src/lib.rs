@@ -17,11 +17,12 @@
 //! ```
 //!
 //! # Current state
-//! Rows of form factors come from rays ([`RayCast`], which [`solve()`] uses), item buffers ([`form_factor::hemicube`], of three shapes),
-//! rays through equal cells ([`form_factor::hemisphere`]) or exact factors of points ([`form_factor::nusselt_rows`]);
-//! [`form_factor::estimate`] gives single factors with their standard errors; [`form_factor::analytic`] and
-//! [`form_factor::nusselt`] are functions of polygons and points. [`Shooting`] needs no matrix; [`solve::on_matrix`] runs Gauss, Jacobi, Gauss-Seidel, Southwell and gathering
-//! on a [`form_factor::matrix`]. Radiosity is constant on an element.
+//! Rows of form factors come from closed forms and exact shadows ([`Analytic`](form_factor::Analytic)), rays
+//! ([`RayCast`], which [`solve()`] uses by default), item buffers ([`form_factor::hemicube`], of three shapes), rays
+//! through equal cells ([`form_factor::hemisphere`]) or exact factors of points ([`form_factor::nusselt_rows`]);
+//! [`form_factor::estimate`] gives single factors with their standard errors. [`Shooting`] needs no matrix;
+//! [`solve::on_matrix`] runs the others on a [`form_factor::matrix`]; [`form_factor::surfaces`] sums one over faces or
+//! objects, [`export::view_factors`] writes it for thermal models. Radiosity is constant on an element.
 //! Coordinates are f32: a scene more than a hundred times its size away from the origin loses percents. Light that is
 //! not emitted by surfaces (sun, points) does not get more rays for its first reflection than other reflected light.
 //! Functions behind the doors ([`solve()`], [`PatchMesh::build`]) panic only on indices that are not of the mesh.

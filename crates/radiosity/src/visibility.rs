@@ -93,7 +93,8 @@ impl Visibility {
 
     /// Whether a side of a face receives light; the others only block and absorb.
     pub fn receives(&self, face: usize, side: Side) -> bool {
-        side == Side::Front || self.scene.materials[self.faces[face].material as usize].double_sided
+        let lit = self.scene.materials[self.faces[face].material as usize].lit_sides();
+        lit > side as usize
     }
 
     /// Length of the diagonal around all faces: farther away there is nothing.
@@ -118,16 +119,22 @@ impl Visibility {
     }
 
     /// First surface along a ray, whatever it is made of. The direction must have unit length.
+    ///
+    /// Sides that do not receive lag behind by an [offset](Self::offset): a plate is often two one-sided faces in one
+    /// place, and a ray must meet the front that looks at it, not the back of the other.
     pub fn first_hit(&self, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
         let ray = ray(origin, direction, max_distance);
         let mut hit = RayHit::none();
-        let found = self
-            .bvh
-            .ray_traverse(ray, &mut hit, |ray, i| self.triangles[i].intersect(ray));
+        let found = self.bvh.ray_traverse(ray, &mut hit, |ray, i| {
+            let t = self.triangles[i].intersect(ray);
+            if t < ray.tmax {
+                t + self.lag(i, direction, origin + direction * t)
+            } else {
+                t
+            }
+        });
         found.then(|| {
-            let face = self.face_of_triangle[hit.primitive_id as usize] as usize;
-            let facing = self.faces[face].normal.dot(direction) < 0.0;
-            let side = if facing { Side::Front } else { Side::Back };
+            let (face, side) = self.met(hit.primitive_id as usize, direction);
             Hit {
                 face,
                 side,
@@ -135,6 +142,23 @@ impl Visibility {
                 distance: hit.t,
             }
         })
+    }
+
+    /// The face of a triangle, and the side that a ray sees of it.
+    fn met(&self, triangle: usize, direction: Vec3) -> (usize, Side) {
+        let face = self.face_of_triangle[triangle] as usize;
+        let facing = self.faces[face].normal.dot(direction) < 0.0;
+        (face, if facing { Side::Front } else { Side::Back })
+    }
+
+    /// How far a hit counts as farther away than it is.
+    fn lag(&self, triangle: usize, direction: Vec3, point: Vec3) -> f32 {
+        let (face, side) = self.met(triangle, direction);
+        if self.receives(face, side) {
+            0.0
+        } else {
+            self.offset(point)
+        }
     }
 
     /// Whether nothing at all lies between two points, each already off its surface.

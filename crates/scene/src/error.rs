@@ -20,7 +20,9 @@ pub enum SceneError {
     )]
     Unknown(String),
     /// The name's ending is not one of a format that can be read.
-    #[error("{0}: not a scene format that can be read; convert it to .glb, .gltf or .obj")]
+    #[error(
+        "{0}: not a scene format that can be read; convert it to .glb, .gltf, .obj, .stl or .vs3"
+    )]
     Format(String),
     /// The file is damaged or breaks its format's rules.
     #[error("{0}")]

@@ -5,7 +5,7 @@
 //! [`Scene::check`] is the door behind which every index is in range and every number finite.
 //!
 //! # Current state
-//! glTF 2.0 and OBJ come in; see [`gltf`] and [`obj`] for what of them is read. Skins, morph targets and animations
+//! glTF 2.0, OBJ, STL and View3D's `.vs3` come in; see [`gltf`], [`obj`], [`stl`] and [`vs3`] for what of them is read. Skins, morph targets and animations
 //! are not: a mesh is taken in its rest pose, which the import report says.
 #![forbid(unsafe_code)]
 
@@ -21,8 +21,10 @@ pub mod open;
 pub mod options;
 pub mod report;
 pub mod scene;
+pub mod stl;
 pub mod surface;
 pub mod texture;
+pub mod vs3;
 
 pub use camera::{Camera, Projection};
 pub use error::SceneError;
@@ -32,6 +34,6 @@ pub use mesh::{Face, Instance, Mesh};
 pub use open::{open, open_bytes, open_path};
 pub use options::{MetalsAs, SceneOptions};
 pub use report::{ImportReport, Warning};
-pub use scene::{Scene, Units};
+pub use scene::{Scene, Units, ViewFactorRequest};
 pub use surface::SurfaceSample;
 pub use texture::{Texture, TextureImage, Wrap};

@@ -35,6 +35,9 @@ pub struct Material {
     pub double_sided: bool,
     /// The file wants it drawn without light; radiosity treats it as diffuse.
     pub unlit: bool,
+    /// Only in the way: both sides block and absorb, neither receives, reflects or emits, whatever the other fields
+    /// say. Such faces get no elements and no row of a matrix, and pictures do not show them.
+    pub obstruction: bool,
 }
 
 /// Meaning of alpha, as in glTF.
@@ -95,6 +98,7 @@ impl Default for Material {
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
             unlit: false,
+            obstruction: false,
         }
     }
 }
@@ -109,6 +113,14 @@ impl Material {
         }
     }
 
+    /// What only blocks and absorbs; see [`obstruction`](Self::obstruction).
+    pub fn blocking(name: impl Into<String>) -> Self {
+        Self {
+            obstruction: true,
+            ..Self::diffuse(name, Rgb::BLACK)
+        }
+    }
+
     /// The same material emitting radiance `L`.
     pub fn with_emission(self, radiance: Rgb) -> Self {
         Self {
@@ -119,11 +131,20 @@ impl Material {
 
     /// Whether any part of a surface of this material may let light through (holes, glass).
     pub fn may_transmit(&self) -> bool {
-        self.transmission > 0.0 || self.alpha_mode != AlphaMode::Opaque
+        !self.obstruction && (self.transmission > 0.0 || self.alpha_mode != AlphaMode::Opaque)
     }
 
     /// Whether it emits anything at all.
     pub fn emits(&self) -> bool {
-        self.emission.max_band() > 0.0
+        !self.obstruction && self.emission.max_band() > 0.0
+    }
+
+    /// How many sides of a face receive and radiate: 2 if double-sided, none of an obstruction, else 1.
+    pub fn lit_sides(&self) -> usize {
+        match (self.obstruction, self.double_sided) {
+            (true, _) => 0,
+            (false, false) => 1,
+            (false, true) => 2,
+        }
     }
 }

@@ -1,10 +1,10 @@
 //! Opening a scene by the name a user gives.
 
 use crate::gltf::uri::read;
-use crate::{ImportReport, Scene, SceneError, gltf, obj};
+use crate::{ImportReport, Scene, SceneError, gltf, obj, stl, vs3};
 use std::path::Path;
 
-/// Opens a file (`.glb`, `.gltf`, `.obj`) or a built-in scene.
+/// Opens a file (`.glb`, `.gltf`, `.obj`, `.stl`, `.vs3`) or a built-in scene.
 ///
 /// A file of that name comes first; what it is, its content decides, then its ending.
 ///
@@ -56,6 +56,9 @@ pub fn open_bytes(bytes: &[u8], name: &str, folder: Option<&Path>) -> Result<Sce
         _ if looks_like_gltf => gltf::import(bytes, name, folder),
         Some("gltf" | "glb") => gltf::import(bytes, name, folder),
         Some("obj") => obj::import(bytes, name, folder),
+        Some("stl") => stl::import(bytes, name),
+        Some("vs3") => vs3::import(bytes, name),
+        _ if stl::is_stl(bytes) => stl::import(bytes, name),
         _ => Err(SceneError::Format(one_line(name))),
     }
 }

@@ -41,8 +41,19 @@ pub struct Scene {
     pub max_reflectance: f32,
     /// Views.
     pub cameras: Vec<Camera>,
+    /// What a file that was made for view factors asks of them; `None` for scenes made for light.
+    pub view_factors: Option<ViewFactorRequest>,
     /// What happened on the way in.
     pub report: ImportReport,
+}
+
+/// What a file that was made for view factors asks of them. Its instances are the surfaces between which they are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct ViewFactorRequest {
+    /// Whether the surfaces are said to enclose a space, so that factors may be corrected until rows sum to 1.
+    pub enclosure: bool,
+    /// Error at which integration may stop, as a share of the smaller surface.
+    pub error: Option<f64>,
 }
 
 /// What the numbers of light mean.
@@ -71,6 +82,7 @@ impl Default for Scene {
             metals: MetalsAs::default(),
             max_reflectance: MAX_REFLECTANCE,
             cameras: Vec::new(),
+            view_factors: None,
             report: ImportReport::default(),
         }
     }

@@ -49,7 +49,7 @@ fn opened(path: &Path) -> Result<Scene, SceneError> {
 /// Opens every scene of a folder, checks what must hold for any file, and hands the outcome on.
 fn open_all(folder: &str, mut look: impl FnMut(&Path, Result<Scene, SceneError>)) {
     for path in files(folder).unwrap_or_default() {
-        if !has_ending(&path, &["gltf", "glb", "obj"]) {
+        if !has_ending(&path, &["gltf", "glb", "obj", "stl", "vs3"]) {
             continue;
         }
         let outcome = opened(&path);
@@ -124,7 +124,10 @@ fn files_with_changed_bytes_do_not_panic() {
         .flat_map(|folder| files(folder).unwrap_or_default())
     {
         let bytes = std::fs::read(&path).expect("a file that is there can be read");
-        if !has_ending(&path, &["gltf", "glb", "obj"]) || bytes.is_empty() || bytes.len() > 50_000 {
+        if !has_ending(&path, &["gltf", "glb", "obj", "stl", "vs3"])
+            || bytes.is_empty()
+            || bytes.len() > 50_000
+        {
             continue;
         }
         let name = path.to_str().expect("the names of the test data are UTF-8");

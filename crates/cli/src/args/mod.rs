@@ -1,10 +1,12 @@
 //! The command line.
 
+mod form_factors;
 mod parse;
 mod picture;
 mod scene;
 mod solve;
 
+pub use form_factors::FormFactorsVerb;
 pub use picture::PictureArgs;
 pub use scene::SceneArgs;
 pub use solve::SolveArgs;
@@ -16,14 +18,15 @@ const LONG_ABOUT: &str = "\
 Computes how light spreads through a scene (radiosity), in physical units.
 
 `solve` turns a scene into a lit .glb: it looks lit in any glTF viewer and holds the whole solution, from which `render` \
-draws pictures and `measure` reads irradiance and lux, at once and as often as you like. A scene is a .glb, .gltf or .obj \
-file or a built-in one. If a picture stays black, `info` says why.";
+draws pictures and `measure` reads irradiance and lux, at once and as often as you like. A scene is a .glb, .gltf, \
+.obj, .stl or .vs3 file or a built-in one. If a picture stays black, `info` says why.";
 
 const EXAMPLES: &str = "\
 Examples:
   hemicube solve cornell -o lit.glb --image cornell.png
   hemicube render lit.glb -o view.png --eye 2,1.6,3 --look-at 0,1,0
   hemicube measure lit.glb --points desk.csv -o lux.csv
+  hemicube form-factors enclosure.vs3 -o F.csv
 
 Exit codes: 0 done; 1 could not be done (one line says why); 2 wrong usage; 130 ended by Ctrl-C, nothing written.
 `hemicube VERB --help` explains each verb.";
@@ -62,6 +65,8 @@ pub enum Verb {
     Measure(MeasureVerb),
     /// Draw a picture of a scene or of a lit .glb
     Render(RenderVerb),
+    /// Compute the view factors between the faces or objects of a scene
+    FormFactors(FormFactorsVerb),
     /// List the built-in scenes
     #[command(after_help = "Example:\n  hemicube scenes")]
     Scenes,
@@ -84,7 +89,7 @@ at once.";
 #[derive(Debug, Args)]
 #[command(after_help = SOLVE_HELP)]
 pub struct SolveVerb {
-    /// Scene file (.glb, .gltf, .obj) or name of a built-in scene; may be left out with --resume
+    /// Scene file (.glb, .gltf, .obj, .stl, .vs3) or name of a built-in scene; may be left out with --resume
     #[arg(value_name = "SCENE", required_unless_present = "resume")]
     pub scene: Option<PathBuf>,
     /// Lit .glb to write: looks lit in any viewer and holds the whole solution

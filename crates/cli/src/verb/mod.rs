@@ -1,6 +1,7 @@
 //! What the program does, one file for each verb.
 
 pub mod completions;
+pub mod form_factors;
 pub mod info;
 pub mod measure;
 pub mod render;

@@ -54,6 +54,9 @@ const FEW_CELLS_RAYS: u32 = 8;
 const MAX_LAYERS: usize = 8;
 /// Hemicubes that are transformed before they are drawn: bounds the memory of large scenes.
 const VIEWS_AT_ONCE: usize = 4;
+/// Share of their distance by which backs are drawn farther away than they are: where two one-sided faces make a plate,
+/// the front is seen.
+const LAG: f32 = 5e-4;
 /// A cell that sees nothing.
 const EMPTY: u32 = u32::MAX;
 
@@ -189,7 +192,7 @@ impl Hemicube {
     }
 
     /// Everything above a hemicube's plane in its own frame.
-    fn transform(&self, view: &Viewpoint) -> Seen {
+    fn transform(&self, view: &Viewpoint) -> Seen<'_> {
         let mesh = &*self.mesh;
         let [t, b, n] = view.axes;
         let vertices: Vec<Vec3> = mesh
@@ -200,7 +203,8 @@ impl Hemicube {
                 Vec3::new(d.dot(t), d.dot(b), d.dot(n))
             })
             .collect();
-        let mut items = Vec::new();
+        // Of equal depths the first drawn stays: fronts come before backs.
+        let (mut items, mut backs) = (Vec::new(), Vec::new());
         let mut nearest = mesh.visibility().diameter();
         for (element, &id) in mesh.elements().iter().enumerate() {
             let is_above = |&c: &u32| vertices[c as usize].z > 0.0;
@@ -226,8 +230,18 @@ impl Hemicube {
                 element,
                 is_back: from_behind || mesh.exposed_area(element) == 0.0,
             };
-            items.push((id, item.pack()));
+            let list = if item.is_back { &mut backs } else { &mut items };
+            list.push((mesh.corners(id), item.pack()));
         }
+        for (_, cell) in mesh.obstructions() {
+            if cell.corners().iter().any(|&c| vertices[c as usize].z > 0.0) {
+                backs.push((cell.corners(), self.obstruction()));
+            }
+        }
+        items.append(&mut backs);
+        let nearest = self
+            .viewpoints
+            .nearer_obstruction(view.origin, None, nearest);
         // The depth buffer is the finer the farther its near plane.
         let near = (self.options.projection.least_depth() * nearest)
             .max(mesh.visibility().offset(view.origin));
@@ -238,18 +252,29 @@ impl Hemicube {
         }
     }
 
+    /// The item of all obstructions: the back of an element that there is not.
+    fn obstruction(&self) -> u32 {
+        let item = Item {
+            element: self.mesh.elements().len(),
+            is_back: true,
+        };
+        item.pack()
+    }
+
     /// Calls `draw` with each triangle that may be in the picture of a face.
     fn for_each_triangle(
         &self,
-        seen: &Seen,
+        seen: &Seen<'_>,
         face: CubeFace,
         mut draw: impl FnMut(&[Vec4; 3], u32),
     ) {
-        for &(id, item) in &seen.items {
-            let indices = self.mesh.corners(id);
+        for &(indices, item) in &seen.items {
             let mut corners = [Vec4::ZERO; 4];
+            let is_back = Item::unpack(item).is_some_and(|item| item.is_back);
+            let lag = if is_back { LAG * seen.near } else { 0.0 };
             for (corner, &i) in corners.iter_mut().zip(indices) {
                 *corner = face.clip(seen.vertices[i as usize], seen.near);
+                corner.z += lag;
             }
             let corners = &corners[..indices.len()];
             let is_outside = corners.iter().all(|c| c.z < 0.0)
@@ -268,7 +293,7 @@ impl Hemicube {
     }
 
     /// The item buffer of one face.
-    fn draw(&self, seen: &Seen, face: CubeFace, buffers: &mut Buffers) {
+    fn draw(&self, seen: &Seen<'_>, face: CubeFace, buffers: &mut Buffers) {
         let viewport = face.viewport(self.options.resolution as usize);
         buffers.clear(viewport);
         let (depth, items) = (&mut buffers.depth, &mut buffers.items);
@@ -279,7 +304,7 @@ impl Hemicube {
     }
 
     /// The item buffer of what lies behind `buffers.before`.
-    fn draw_behind(&self, seen: &Seen, face: CubeFace, buffers: &mut Buffers) {
+    fn draw_behind(&self, seen: &Seen<'_>, face: CubeFace, buffers: &mut Buffers) {
         let viewport = face.viewport(self.options.resolution as usize);
         buffers.clear(viewport);
         let Buffers {
@@ -310,7 +335,7 @@ impl Hemicube {
     }
 
     /// What one face of one hemicube sees.
-    fn face_tally(&self, seen: &Seen, face: CubeFace) -> Tally {
+    fn face_tally(&self, seen: &Seen<'_>, face: CubeFace) -> Tally {
         let mut buffers = self.buffers();
         self.draw(seen, face, &mut buffers);
         let tally = if self.layered {
@@ -355,7 +380,7 @@ impl Hemicube {
     }
 
     /// Sums the delta factors of an item buffer and of those behind it, as far as elements let light through.
-    fn peel(&self, seen: &Seen, face: CubeFace, buffers: &mut Buffers) -> Tally {
+    fn peel(&self, seen: &Seen<'_>, face: CubeFace, buffers: &mut Buffers) -> Tally {
         let mut tally = Tally::default();
         let width = self.options.resolution as usize;
         let cells = buffers.items.len();
@@ -379,7 +404,8 @@ impl Hemicube {
                     buffers.before[cell] = f32::INFINITY;
                     continue;
                 };
-                let passing = self.mesh.transmittance()[element];
+                let passing = self.mesh.transmittance().get(element);
+                let passing = passing.copied().unwrap_or(Rgb::BLACK);
                 let rest = Rgb::from([0, 1, 2].map(|band| through[band] * passing[band]));
                 if is_back {
                     let kept = [0, 1, 2].map(|b| delta * f64::from(through[b] - rest[b]));
@@ -486,7 +512,7 @@ impl FormFactors for Hemicube {
         let (views, faces) = (self.viewpoints.of(source), self.faces());
         let mut arrivals = Arrivals::new(self.mesh.elements().len());
         for views in views.chunks(VIEWS_AT_ONCE) {
-            let seen: Vec<Seen> = views.par_iter().map(|v| self.transform(v)).collect();
+            let seen: Vec<Seen<'_>> = views.par_iter().map(|v| self.transform(v)).collect();
             let count = faces.len();
             let tallies: Vec<Tally> = (0..count * views.len())
                 .into_par_iter()
@@ -532,11 +558,11 @@ fn add_runs<'a>(
 
 /// What may be seen from a hemicube.
 #[derive(Debug)]
-struct Seen {
+struct Seen<'a> {
     /// The mesh's vertices in the hemicube's frame.
     vertices: Vec<Vec3>,
-    /// Elements above the plane with their packed items.
-    items: Vec<(NodeId, u32)>,
+    /// Vertices of the elements and obstructions above the plane, with their packed items.
+    items: Vec<(&'a [u32], u32)>,
     /// Distance of the near planes.
     near: f32,
 }

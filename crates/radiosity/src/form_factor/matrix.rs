@@ -1,5 +1,7 @@
 //! All form factors between patches at once: what matrix solvers and thermal engineers work with.
 
+mod summed;
+
 use crate::error::RadiosityError;
 use crate::form_factor::{FormFactors, Row};
 use crate::patch::{NodeKind, PatchMesh};

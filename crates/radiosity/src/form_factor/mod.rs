@@ -13,6 +13,7 @@ pub mod nusselt;
 pub mod nusselt_rows;
 pub mod polygon;
 pub mod raycast;
+pub mod surfaces;
 mod viewpoints;
 
 pub use analytic::{Analytic, AnalyticOptions};
@@ -23,6 +24,7 @@ pub use kind::{FormFactorKind, FormFactorOptions};
 pub use matrix::{MatrixOptions, Storage, ViewFactorMatrix};
 pub use nusselt_rows::{Nusselt, NusseltOptions};
 pub use raycast::{RayCast, RayCastOptions};
+pub use surfaces::{Surfaces, SurfacesBy};
 
 use crate::patch::{NodeId, PatchMesh};
 use std::sync::Arc;

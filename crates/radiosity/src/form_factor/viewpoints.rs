@@ -131,6 +131,7 @@ impl Viewpoints {
                     .any(|&c| (c - node.centroid).dot(node.normal) > floor)
             })
             .fold(FAR * edge, |best, e| self.nearer(node.centroid, e, best));
+        let nearest = self.nearer_obstruction(node.centroid, Some(node.normal), nearest);
         if nearest >= FAR * edge {
             1
         } else if nearest >= MIDDLE * edge {
@@ -150,6 +151,22 @@ impl Viewpoints {
             return best;
         }
         distance_to_polygon(point, &self.mesh.polygon(id), node.normal).min(best)
+    }
+
+    /// The distance from a point to the nearest obstruction if it is less than `best`, else `best`; those wholly below
+    /// the plane of a normal do not count.
+    pub(super) fn nearer_obstruction(&self, point: Vec3, above: Option<Vec3>, best: f32) -> f32 {
+        let floor = 2.0 * self.mesh.visibility().offset(point);
+        let faces = self.mesh.obstructions().iter();
+        let faces = faces.map(|&(face, _)| &self.mesh.faces()[face as usize]);
+        faces
+            .filter(|face| {
+                let is_above = |n: Vec3| face.polygon().iter().any(|&c| (c - point).dot(n) > floor);
+                above.is_none_or(is_above)
+            })
+            .fold(best, |best, face| {
+                distance_to_polygon(point, face.polygon(), face.normal).min(best)
+            })
     }
 }
 

@@ -4,6 +4,7 @@
 //! its light over a part that nobody sees, and a dark rim would follow every contact. So irradiance and radiosity are
 //! means over the exposed part. A point is buried if every probing ray from it meets the absorbing back of a face.
 
+use crate::patch::face::Side;
 use crate::patch::{PatchMesh, Polygon};
 use crate::sampling::{cosine_direction, point_in_polygon, point2, polygon_point};
 use crate::visibility::Visibility;
@@ -129,6 +130,7 @@ fn is_buried(visibility: &Visibility, point: Vec3, normal: Vec3) -> bool {
             cosine_direction(normal, point2(i, 1))
         };
         let hit = visibility.first_hit(origin, direction, f32::INFINITY);
-        hit.is_some_and(|hit| !visibility.receives(hit.face, hit.side))
+        // Fronts of obstructions do not receive, but no solid begins behind the viewer there.
+        hit.is_some_and(|hit| hit.side == Side::Back && !visibility.receives(hit.face, hit.side))
     })
 }

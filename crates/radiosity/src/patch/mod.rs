@@ -111,6 +111,11 @@ impl PatchOptions {
         }
     }
 
+    /// No cuts: each lit side of a face is one patch and one element.
+    pub fn whole_faces() -> Self {
+        Self::default().with_element_size(LONGER_THAN_ANY_EDGE)
+    }
+
     /// Patches with edges of at most this length.
     pub fn with_patch_size(self, size: f32) -> Self {
         Self {
@@ -150,6 +155,8 @@ pub struct PatchMesh {
     visibility: Visibility,
     /// Root nodes of each face's front and back; `None` where that side only absorbs.
     roots: Vec<[Option<NodeId>; 2]>,
+    /// Faces without a lit side, with their vertices.
+    obstructions: Vec<(u32, Cell)>,
     vertices: Vec<Vec3>,
     nodes: Vec<Node>,
     patches: Vec<NodeId>,
@@ -172,6 +179,9 @@ const NONE: u32 = u32::MAX;
 /// Largest coordinate in the world; beyond it squares of areas leave the range of f32.
 const MAX_COORDINATE: f32 = 1e9;
 
+/// Longer than an edge between any two places within [`MAX_COORDINATE`].
+const LONGER_THAN_ANY_EDGE: f32 = 1e10;
+
 impl PatchMesh {
     /// Cuts a scene into patches and elements.
     ///
@@ -183,7 +193,8 @@ impl PatchMesh {
         options.check()?;
         let mut report = ImportReport::default();
         let faces: Arc<[WorldFace]> = world_faces(&scene, &mut report).into();
-        if faces.is_empty() {
+        let sides = |face: &WorldFace| scene.materials[face.material as usize].lit_sides();
+        if faces.iter().all(|face| sides(face) == 0) {
             return Err(RadiosityError::NoSurfaces(scene.name.clone()));
         }
         refuse_far_places(&scene, &faces)?;
@@ -191,6 +202,7 @@ impl PatchMesh {
         let mut mesh = Self {
             options,
             roots: vec![[None; 2]; faces.len()],
+            obstructions: Vec::new(),
             vertices: Vec::new(),
             nodes: Vec::new(),
             patches: Vec::new(),
@@ -265,6 +277,12 @@ impl PatchMesh {
                     .first_hit(origin, cosine_direction(normal, sample), f32::INFINITY);
             hit.is_some_and(|hit| self.visibility.receives(hit.face, hit.side))
         })
+    }
+
+    /// Faces that only block (their material is an [obstruction](hemicube_scene::Material::obstruction)): position in
+    /// [`Self::faces`] and [vertices](Self::vertices). No node stands for them.
+    pub fn obstructions(&self) -> &[(u32, Cell)] {
+        &self.obstructions
     }
 
     /// World positions of the shared vertices.
@@ -397,6 +415,14 @@ impl PatchMesh {
         sizes: Sizes,
         vertices: &mut Vertices,
     ) {
+        let material = |face: usize| &self.scene.materials[self.faces[face].material as usize];
+        if faces.clone().all(|face| material(face).lit_sides() == 0) {
+            for face in faces {
+                let cell = cell_of(self.faces[face].polygon(), vertices);
+                self.obstructions.push((id32(face), cell));
+            }
+            return;
+        }
         let cluster = NodeId(id32(self.nodes.len()));
         let blank = Node {
             parent: None,
@@ -414,13 +440,8 @@ impl PatchMesh {
         self.nodes.push(blank);
         // Children of a node are consecutive, so all surfaces come before anything below them.
         for face in faces.clone() {
-            let two_sided = self.scene.materials[self.faces[face].material as usize].double_sided;
-            let sides: &[Side] = if two_sided {
-                &[Side::Front, Side::Back]
-            } else {
-                &[Side::Front]
-            };
-            for &side in sides {
+            let lit = self.scene.materials[self.faces[face].material as usize].lit_sides();
+            for &side in &[Side::Front, Side::Back][..lit] {
                 self.push_surface(cluster, face, side, vertices);
             }
         }
@@ -438,19 +459,11 @@ impl PatchMesh {
     }
 
     fn push_surface(&mut self, cluster: NodeId, face: usize, side: Side, vertices: &mut Vertices) {
-        let mut corners: Vec<u32> = self.faces[face]
-            .polygon()
-            .iter()
-            .map(|&p| vertices.at(p))
-            .collect();
+        let mut polygon = self.faces[face].polygon().to_vec();
         if side == Side::Back {
-            corners.reverse();
+            polygon.reverse();
         }
-        let cell = match *corners.as_slice() {
-            [a, b, c] => Cell::triangle(a, b, c),
-            [a, b, c, d] => Cell::quad(a, b, c, d),
-            _ => unreachable!("a face has three or four corners"),
-        };
+        let cell = cell_of(&polygon, vertices);
         let id = self.push_cell(
             cluster,
             NodeKind::Surface {
@@ -610,6 +623,16 @@ impl PatchMesh {
     }
 }
 
+/// The vertices of a face.
+fn cell_of(polygon: &[Vec3], vertices: &mut Vertices) -> Cell {
+    let mut at = |i: usize| vertices.at(polygon[i]);
+    match polygon.len() {
+        3 => Cell::triangle(at(0), at(1), at(2)),
+        4 => Cell::quad(at(0), at(1), at(2), at(3)),
+        _ => unreachable!("a face has three or four corners"),
+    }
+}
+
 fn refuse_far_places(scene: &Scene, faces: &[WorldFace]) -> Result<(), RadiosityError> {
     let reach = |face: &WorldFace| face.corners.map(|c| c.abs().max_element());
     let is_far = |face: &&WorldFace| reach(face).iter().any(|&x| x > MAX_COORDINATE);
@@ -655,13 +678,7 @@ impl Sizes {
         faces: &[WorldFace],
         options: PatchOptions,
     ) -> Result<Self, RadiosityError> {
-        let sided = |face: &WorldFace| {
-            if scene.materials[face.material as usize].double_sided {
-                2
-            } else {
-                1
-            }
-        };
+        let sided = |face: &WorldFace| scene.materials[face.material as usize].lit_sides();
         let by_count = |count: usize| size_for_count(faces, sided, count);
         let patch = options.patch_size.or_else(|| options.patches.map(by_count));
         let element = match (options.element_size, options.elements, patch) {

@@ -49,6 +49,7 @@ struct MaterialFacts {
     transmission: f32,
     metallic: f32,
     double_sided: bool,
+    obstruction: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -278,6 +279,9 @@ impl Facts {
 
 impl MaterialFacts {
     fn words(&self) -> String {
+        if self.obstruction {
+            return String::from("only blocks");
+        }
         let mut words = rgb(self.reflectance);
         if self.textured {
             words.push_str(", textured");
@@ -324,6 +328,7 @@ fn materials(scene: &Scene) -> Vec<MaterialFacts> {
         },
         metallic: material.metallic,
         double_sided: material.double_sided,
+        obstruction: material.obstruction,
     };
     scene.materials.iter().zip(faces).map(facts).collect()
 }

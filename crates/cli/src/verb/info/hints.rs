@@ -110,12 +110,13 @@ fn lights_and_cameras(mesh: &PatchMesh, hints: &mut Vec<String>) {
 
 /// Light that back sides swallow.
 fn backs(scene: &Scene, probe: &Probe, hints: &mut Vec<String>) {
-    let absorbed = probe.surfaces.share(probe.surfaces.absorbed);
+    let on_backs: f64 = probe.on_backs.iter().sum();
+    let absorbed = probe.surfaces.share(on_backs);
     if absorbed > 2.5 * NOTICEABLE {
         hints.push(format!(
             "leak: {} of reflected light ends on back sides, most of it on {}; if they face the wrong way, --flip NODE, or light both sides with --double-sided",
             percent(absorbed),
-            listed(&largest(scene, &probe.on_backs, 0.05 * probe.surfaces.absorbed)),
+            listed(&largest(scene, &probe.on_backs, 0.05 * on_backs)),
         ));
     }
     let hidden: Vec<f64> = probe
@@ -177,7 +178,9 @@ fn materials(scene: &Scene, hints: &mut Vec<String>) {
             listed(&opaque_glass)
         ));
     }
-    let black = of(&|m| m.base_color.max_band() < 1e-3 && !m.emits() && !m.may_transmit());
+    let black = of(&|m| {
+        !m.obstruction && m.base_color.max_band() < 1e-3 && !m.emits() && !m.may_transmit()
+    });
     if !black.is_empty() {
         hints.push(format!(
             "{} reflects nothing; give it a reflectance with --reflectance MATERIAL=R,G,B",

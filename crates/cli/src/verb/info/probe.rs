@@ -57,7 +57,7 @@ pub struct Probe {
     pub emission: Vec<Fate>,
     /// For each instance: area of its lit sides, and what of it looks into a solid.
     pub instance_area: Vec<(f64, f64)>,
-    /// For each instance: light of the surfaces that ends on its back sides.
+    /// For each instance: light of the surfaces that ends on its back sides; obstructions are meant to absorb.
     pub on_backs: Vec<f64>,
 }
 
@@ -128,7 +128,10 @@ fn of_element(mesh: &PatchMesh, e: usize, rays: u32) -> OfElement {
                 fate.received += stays;
             } else {
                 fate.absorbed += stays;
-                backs.push((mesh.faces()[hit.face].instance as usize, stays));
+                let face = &mesh.faces()[hit.face];
+                if !mesh.scene().materials[face.material as usize].obstruction {
+                    backs.push((face.instance as usize, stays));
+                }
             }
         });
         fate.escaped += share * mean(escaped);

@@ -1,0 +1,455 @@
+//! `hemicube form-factors`: view-factor matrices for thermal models.
+
+use super::note;
+use crate::args::{FormFactorsVerb, GlobalArgs};
+use crate::failure::{Failure, one_line};
+use crate::input::Input;
+use crate::interrupt;
+use crate::output::{Target, print, print_json};
+use crate::progress::Bar;
+use crate::report::{Warnings, free_memory, grouped, peak_memory};
+use crate::solving::percent;
+use hemicube::radiosity::export::view_factors::{self, View3dFacts};
+use hemicube::radiosity::form_factor::{
+    FormFactorKind, MatrixOptions, Surfaces, SurfacesBy, ViewFactorMatrix,
+};
+use hemicube::radiosity::{FormFactors, NodeId, PatchMesh, Row};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Endings of the files that are written.
+const ENDINGS: &[&str] = &["csv", "npy", "mtx", "out"];
+/// Surfaces up to which the matrix is printed if it is not written.
+const PRINTED: usize = 12;
+/// As [`PRINTED`], in JSON.
+const PRINTED_AS_JSON: usize = 100;
+/// Characters of a name in the printed matrix.
+const NAME: usize = 16;
+/// Share of the free memory that a matrix may take.
+const SHARE_OF_MEMORY: u64 = 8;
+/// Matrices that there are at once while one is corrected.
+const CORRECTING: u64 = 4;
+/// Share of a row that a closed enclosure may lose through its seams.
+const LEAK: f64 = 1e-3;
+
+/// Computes the matrix, writes it and reports on it.
+pub fn run(args: &FormFactorsVerb, global: GlobalArgs, start: Instant) -> Result<(), Failure> {
+    if let Some((option, methods)) = args.factors.misplaced() {
+        return Err(Failure::Usage(format!(
+            "{option} is for --method {methods}, not {}; leave one of them out",
+            args.factors.kind().name()
+        )));
+    }
+    let target = args
+        .output
+        .as_deref()
+        .map(|path| Target::check(path, ENDINGS))
+        .transpose()?;
+    interrupt::listen();
+    let scene = Arc::new(Input::open(&args.scene)?.into_scene(&args.scene_options)?);
+    let mesh = Arc::new(PatchMesh::build(scene, args.factors.mesh())?);
+    let computed = Computed::new(args, mesh, global, start)?;
+    computed.advise(global);
+    if let Some(target) = &target {
+        computed.write(target)?;
+    }
+    let files: Vec<String> = target
+        .iter()
+        .map(|target| target.path.display().to_string())
+        .collect();
+    if global.json {
+        return print_json(&computed.to_json(&files));
+    }
+    let mut text = computed.text();
+    match &*files {
+        [] if computed.matrix.size() <= PRINTED => text.push_str(&computed.table()),
+        [] => {
+            text.push_str("no file   the factors are written with -o F.csv, .npy, .mtx or .out\n");
+        }
+        files => {
+            let _ = writeln!(text, "wrote     {}", files.join(", "));
+        }
+    }
+    print(&text)
+}
+
+/// A matrix and how it came about.
+struct Computed {
+    mesh: Arc<PatchMesh>,
+    matrix: ViewFactorMatrix,
+    surfaces: Surfaces,
+    by: SurfacesBy,
+    method: FormFactorKind,
+    rays_per_hemisphere: u32,
+    seed: u64,
+    rays: u64,
+    corrected: bool,
+    seconds: f64,
+}
+
+impl Computed {
+    fn new(
+        args: &FormFactorsVerb,
+        mesh: Arc<PatchMesh>,
+        global: GlobalArgs,
+        start: Instant,
+    ) -> Result<Self, Failure> {
+        let factors = &args.factors;
+        let asked = mesh.scene().view_factors;
+        let of_file = match asked {
+            Some(_) => SurfacesBy::Object,
+            None => SurfacesBy::Face,
+        };
+        let by = factors.by.unwrap_or(of_file);
+        let surfaces = Surfaces::new(&mesh, by);
+        if surfaces.is_empty() {
+            return Err(Failure::Failed(format!(
+                "scene '{}': every face looks into a solid, so none sees another; turn them around with --flip '*'",
+                mesh.scene().name
+            )));
+        }
+        let error = asked.and_then(|asked| asked.error);
+        let (kind, options) = (factors.kind(), factors.options(error));
+        let watched = Watched {
+            factors: kind.build(mesh.clone(), &options)?,
+            bar: Bar::new("factors", global.quiet),
+        };
+        let corrected = factors.enclosure || asked.is_some_and(|asked| asked.enclosure);
+        let matrix = ViewFactorMatrix::build_by(&watched, &surfaces, memory(corrected))?;
+        watched.bar.finish();
+        if interrupt::asked() {
+            return Err(Failure::Interrupted);
+        }
+        Ok(Self {
+            matrix: if corrected {
+                matrix.enclosure_corrected()
+            } else {
+                matrix
+            },
+            rays: watched.factors.rays(),
+            mesh,
+            surfaces,
+            by,
+            method: kind,
+            rays_per_hemisphere: options.raycast.rays,
+            seed: options.raycast.seed,
+            corrected,
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// Says what looks like a mistake.
+    fn advise(&self, global: GlobalArgs) {
+        if let [first, rest @ ..] = self.surfaces.buried() {
+            let others = if rest.is_empty() {
+                String::new()
+            } else {
+                format!(" and {} more", grouped(rest.len() as u64))
+            };
+            note(
+                global,
+                &format!(
+                    "'{first}'{others} look into solids and have no rows; --flip turns faces around"
+                ),
+            );
+        }
+        if self.mesh.visibility().is_tinted() {
+            note(
+                global,
+                "panes tint the light, so factors differ between bands: these are the means of three",
+            );
+        }
+        let (lost, most) = self.lost();
+        if self.corrected && lost > LEAK {
+            note(
+                global,
+                &format!(
+                    "the enclosure is open: {} of what leaves '{}' meets no surface or a back, and stays lost",
+                    percent(lost),
+                    self.name(most)
+                ),
+            );
+        }
+    }
+
+    /// The largest share of a row that meets nothing or a back, and the row.
+    fn lost(&self) -> (f64, usize) {
+        let lost = |i: usize| self.matrix.sky()[i] + self.matrix.absorbed()[i];
+        largest((0..self.matrix.size()).map(|i| (lost(i), i)))
+    }
+
+    fn name(&self, i: usize) -> &str {
+        &self.matrix.names()[i]
+    }
+
+    fn write(&self, target: &Target) -> Result<(), Failure> {
+        let emissivities = self.surfaces.emissivities(&self.mesh);
+        let facts = View3dFacts {
+            emissivities: &emissivities,
+            enclosure: self.corrected,
+        };
+        target.write_with(|out| match () {
+            () if target.ends_in("npy") => view_factors::npy(&self.matrix, out),
+            () if target.ends_in("mtx") => view_factors::matrix_market(&self.matrix, out),
+            () if target.ends_in("out") => view_factors::view3d(&self.matrix, facts, out),
+            () => view_factors::csv(&self.matrix, out),
+        })
+    }
+
+    /// How it was computed, in words.
+    fn way(&self) -> String {
+        match self.method {
+            FormFactorKind::RayCast => format!(
+                "raycast with {} rays, seed {}: {} rays",
+                self.rays_per_hemisphere,
+                self.seed,
+                grouped(self.rays)
+            ),
+            method => method.name().to_owned(),
+        }
+    }
+
+    /// As a few lines for people.
+    fn text(&self) -> String {
+        let facts = Facts::new(&self.matrix);
+        let name = |i: usize| one_line(self.name(i));
+        let n = grouped(self.matrix.size() as u64);
+        let mut text = format!(
+            "scene     {} ({})
+factors   {n} x {n} by {}, {}, {:.1} s
+closure   rows sum to 1 within {}{}
+pairs     A_i F_ij = A_j F_ji within {} of the smaller area: '{}', '{}'
+largest   {:.5} from '{}' to '{}'
+sky       {} of all, at most {} of '{}'
+",
+            one_line(&self.mesh.scene().name),
+            self.mesh.scene().units.name(),
+            self.by.name(),
+            self.way(),
+            self.seconds,
+            error(facts.closure_error),
+            if self.corrected { ", corrected" } else { "" },
+            error(facts.reciprocity_error),
+            name(facts.worst_pair[0]),
+            name(facts.worst_pair[1]),
+            facts.largest_factor,
+            name(facts.largest_pair[0]),
+            name(facts.largest_pair[1]),
+            percent(facts.sky.mean),
+            percent(facts.sky.most),
+            name(facts.sky.row),
+        );
+        for (label, share) in [("backs", &facts.absorbed), ("panes", &facts.transmitted)] {
+            if share.most > 0.0 {
+                let _ = writeln!(
+                    text,
+                    "{label:<9} {} of all, at most {} of '{}'",
+                    percent(share.mean),
+                    percent(share.most),
+                    name(share.row)
+                );
+            }
+        }
+        text + &self.warnings().text()
+    }
+
+    fn warnings(&self) -> Warnings {
+        let mut warnings = Warnings::of_scene(self.mesh.scene());
+        warnings.extend(self.mesh.report());
+        warnings
+    }
+
+    /// The matrix for people: columns by the numbers of the rows.
+    fn table(&self) -> String {
+        let n = self.matrix.size();
+        let shown = |i: usize| {
+            one_line(self.name(i))
+                .chars()
+                .take(NAME)
+                .collect::<String>()
+        };
+        let width = (0..n).map(|i| shown(i).chars().count()).max().unwrap_or(0);
+        let mut text = format!("\n    {:width$}      area", "");
+        (0..n).for_each(|j| _ = write!(text, " {:>7}", j + 1));
+        text.push_str("     sky   backs\n");
+        for i in 0..n {
+            let _ = write!(
+                text,
+                "{:>3} {:width$} {:>9.4}",
+                i + 1,
+                shown(i),
+                self.matrix.areas()[i]
+            );
+            (0..n).for_each(|j| _ = write!(text, " {:.5}", self.matrix.get(i, j)));
+            let _ = writeln!(
+                text,
+                " {:.5} {:.5}",
+                self.matrix.sky()[i],
+                self.matrix.absorbed()[i]
+            );
+        }
+        text
+    }
+
+    fn to_json(&self, files: &[String]) -> Value {
+        let matrix = &self.matrix;
+        let emissivities = self.surfaces.emissivities(&self.mesh);
+        let surface = |i: usize| {
+            json!({
+                "name": self.name(i), "area": matrix.areas()[i], "emissivity": emissivities[i],
+                "sky": matrix.sky()[i], "absorbed": matrix.absorbed()[i], "transmitted": matrix.transmitted()[i],
+            })
+        };
+        let facts = Facts::new(matrix);
+        let mut report = json!({
+            "program": concat!("hemicube ", env!("CARGO_PKG_VERSION")),
+            "scene": self.mesh.scene().name,
+            "by": self.by.name(),
+            "method": self.method.name(),
+            "rays_per_hemisphere": (self.method == FormFactorKind::RayCast).then_some(self.rays_per_hemisphere),
+            "seed": self.seed,
+            "rays": self.rays,
+            "elements": self.mesh.elements().len(),
+            "corrected": self.corrected,
+            "closure_error": facts.closure_error,
+            "reciprocity_error": { "error": facts.reciprocity_error, "between": facts.worst_pair.map(|i| self.name(i)) },
+            "largest": { "factor": facts.largest_factor, "from": self.name(facts.largest_pair[0]), "to": self.name(facts.largest_pair[1]) },
+            "sky": facts.sky.to_json(self), "absorbed": facts.absorbed.to_json(self), "transmitted": facts.transmitted.to_json(self),
+            "surfaces": (0..matrix.size()).map(surface).collect::<Vec<_>>(),
+            "buried": self.surfaces.buried(),
+            "sparse": matrix.entries().is_sparse(),
+            "seconds": self.seconds,
+            "peak_memory_bytes": peak_memory(),
+            "warnings": self.warnings(),
+            "files": files,
+        });
+        if files.is_empty() && matrix.size() <= PRINTED_AS_JSON {
+            let row = |i: usize| {
+                (0..matrix.size())
+                    .map(|j| matrix.get(i, j))
+                    .collect::<Vec<_>>()
+            };
+            report["factors"] = (0..matrix.size()).map(row).collect();
+        }
+        report
+    }
+}
+
+/// What a matrix tells about itself.
+struct Facts {
+    closure_error: f64,
+    reciprocity_error: f64,
+    worst_pair: [usize; 2],
+    largest_factor: f32,
+    largest_pair: [usize; 2],
+    sky: Share,
+    absorbed: Share,
+    transmitted: Share,
+}
+
+/// A share that rows lose.
+struct Share {
+    /// Of what leaves all surfaces evenly.
+    mean: f64,
+    most: f64,
+    row: usize,
+}
+
+impl Facts {
+    fn new(matrix: &ViewFactorMatrix) -> Self {
+        let reciprocity = matrix.reciprocity_error();
+        let rows = 0..matrix.size();
+        let entries = rows.flat_map(|i| matrix.entries().row(i).map(move |(j, f)| (f, [i, j])));
+        let (largest_factor, largest_pair) =
+            entries.fold(
+                (0.0, [0, 0]),
+                |best, one| if one.0 > best.0 { one } else { best },
+            );
+        Self {
+            closure_error: matrix.closure_error(),
+            reciprocity_error: reciprocity.error,
+            worst_pair: [reciprocity.row, reciprocity.column],
+            largest_factor,
+            largest_pair,
+            sky: Share::new(matrix, matrix.sky()),
+            absorbed: Share::new(matrix, matrix.absorbed()),
+            transmitted: Share::new(matrix, matrix.transmitted()),
+        }
+    }
+}
+
+impl Share {
+    fn new(matrix: &ViewFactorMatrix, shares: &[f64]) -> Self {
+        let areas = matrix.areas();
+        let flux: f64 = shares
+            .iter()
+            .zip(areas)
+            .map(|(share, area)| share * area)
+            .sum();
+        let (most, row) = largest(shares.iter().copied().zip(0..));
+        Self {
+            mean: flux / areas.iter().sum::<f64>(),
+            most,
+            row,
+        }
+    }
+
+    fn to_json(&self, computed: &Computed) -> Value {
+        json!({ "mean": self.mean, "most": self.most, "of": computed.name(self.row) })
+    }
+}
+
+/// An error with two significant digits.
+fn error(x: f64) -> String {
+    if x == 0.0 {
+        String::from("0")
+    } else {
+        format!("{x:.1e}")
+    }
+}
+
+/// The first of the largest values and where it is.
+fn largest(values: impl Iterator<Item = (f64, usize)>) -> (f64, usize) {
+    values.fold(
+        (0.0, 0),
+        |best, one| if one.0 > best.0 { one } else { best },
+    )
+}
+
+/// A share of the memory that is free, or what the library takes for granted.
+fn memory(corrected: bool) -> MatrixOptions {
+    let mut options = MatrixOptions::default();
+    if let Some(free) = free_memory() {
+        let matrices = if corrected { CORRECTING } else { 1 };
+        let bytes = free / 10 * SHARE_OF_MEMORY / matrices;
+        options.memory_limit = usize::try_from(bytes).unwrap_or(usize::MAX);
+    }
+    options
+}
+
+/// Form factors under a progress bar; after Ctrl-C rows stay empty, and nobody uses them.
+struct Watched {
+    factors: Box<dyn FormFactors>,
+    bar: Bar,
+}
+
+impl FormFactors for Watched {
+    fn mesh(&self) -> &Arc<PatchMesh> {
+        self.factors.mesh()
+    }
+
+    fn fill_row(&self, source: NodeId, row: &mut Row) {
+        if interrupt::asked() {
+            row.clear(1);
+            return;
+        }
+        self.factors.fill_row(source, row);
+        self.bar.count(self.mesh().patches().len());
+    }
+
+    fn rays(&self) -> u64 {
+        self.factors.rays()
+    }
+}

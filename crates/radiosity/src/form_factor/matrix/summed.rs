@@ -1,0 +1,296 @@
+//! Sums over patches: matrices between faces or objects.
+
+use super::{
+    CHUNK, Collected, Entries, MatrixOptions, SAMPLED_ROWS, SPARSE_BELOW, Storage,
+    ViewFactorMatrix, collect, patch_area, ratio, to_bytes, to_f32,
+};
+use crate::error::RadiosityError;
+use crate::form_factor::surfaces::Surfaces;
+use crate::form_factor::{FormFactors, Row};
+use rayon::prelude::*;
+
+/// Dense matrices up to this size are not worth a look at how many of their entries are zero, in bytes.
+const SMALL: usize = 16 << 20;
+
+impl ViewFactorMatrix {
+    /// The factors between surfaces, each the sum over its patches: `F_IJ = Σ_i A_i Σ_j F_ij / A_I`; shares of sky,
+    /// backs and panes likewise. Where tinted glass makes bands differ, it is the mean of the three.
+    ///
+    /// Rows are summed as they are computed, so the memory is that of the surfaces, however many patches there are.
+    ///
+    /// # Errors
+    /// More memory than the options allow, told before the rows are computed (by a sample of them, if sparse).
+    pub fn build_by(
+        factors: &dyn FormFactors,
+        surfaces: &Surfaces,
+        options: MatrixOptions,
+    ) -> Result<Self, RadiosityError> {
+        let mesh = factors.mesh().clone();
+        let n = surfaces.len();
+        let is_sparse = choose_storage(factors, surfaces, options)?;
+        let mut summer = Summer::new(surfaces.names().to_vec(), is_sparse);
+        // Stable, so that patches of one surface keep their order.
+        let mut patches: Vec<(usize, usize)> = (0..mesh.patches().len())
+            .filter_map(|p| Some((surfaces.of_patch(p)?, p)))
+            .collect();
+        patches.sort_by_key(|&(surface, _)| surface);
+        for chunk in patches.chunks(CHUNK) {
+            let rows: Vec<Collected> = chunk
+                .par_iter()
+                .map_init(Row::default, |row, &(_, p)| mean_row(factors, p, row))
+                .collect();
+            for (&(surface, p), row) in chunk.iter().zip(&rows) {
+                let of = |patch| surfaces.of_patch(patch);
+                summer.add(surface, patch_area(&mesh, p), row, of);
+            }
+            let bytes = summer.matrix.entries.bytes();
+            if bytes > options.memory_limit {
+                return Err(too_large(n, bytes, options.memory_limit));
+            }
+        }
+        Ok(summer.finish())
+    }
+
+    /// The matrix between groups of rows: `groups` has the group of each row, `names` a name for each group.
+    ///
+    /// `F_IJ = Σ_i A_i Σ_j F_ij / A_I`, and shares of sky, backs and panes likewise. Closure and reciprocity survive it.
+    ///
+    /// # Errors
+    /// A row without a group, a group without a name or without a row.
+    pub fn summed(&self, groups: &[usize], names: Vec<String>) -> Result<Self, RadiosityError> {
+        let fail = |message| Err(RadiosityError::Option(message));
+        let (rows, count) = (self.size(), names.len());
+        if groups.len() != rows {
+            return fail(format!(
+                "{rows} rows need {rows} groups, not {}",
+                groups.len()
+            ));
+        }
+        if let Some(row) = groups.iter().position(|&group| group >= count) {
+            return fail(format!("row {row}: group {} of {count}", groups[row]));
+        }
+        let mut has_row = vec![false; count];
+        groups.iter().for_each(|&group| has_row[group] = true);
+        if let Some(empty) = has_row.iter().position(|&has| !has) {
+            return fail(format!("group '{}' has no row", names[empty]));
+        }
+        let mut order: Vec<usize> = (0..rows).collect();
+        order.sort_by_key(|&row| groups[row]);
+        let mut summer = Summer::new(names, self.entries.is_sparse);
+        for row in order {
+            let collected = Collected {
+                entries: self
+                    .entries
+                    .row(row)
+                    .map(|(j, f)| (crate::index32(j), f))
+                    .collect(),
+                sky: self.sky[row],
+                absorbed: self.absorbed[row],
+                transmitted: self.transmitted[row],
+            };
+            summer.add(groups[row], self.areas[row], &collected, |j| {
+                Some(groups[j])
+            });
+        }
+        Ok(summer.finish())
+    }
+}
+
+/// A matrix that grows by rows of patches, those of one surface after another.
+struct Summer {
+    matrix: ViewFactorMatrix,
+    /// Sums of the surface at work, times area.
+    sums: Vec<f64>,
+    /// Columns in which it has a sum.
+    touched: Vec<u32>,
+    sky: f64,
+    absorbed: f64,
+    transmitted: f64,
+    area: f64,
+    surface: Option<usize>,
+}
+
+impl Summer {
+    fn new(names: Vec<String>, is_sparse: bool) -> Self {
+        let n = names.len();
+        let entries = if is_sparse {
+            Entries::empty_sparse(n)
+        } else {
+            Entries::dense(n, vec![0.0; n * n])
+        };
+        Self {
+            matrix: ViewFactorMatrix {
+                entries,
+                areas: Vec::with_capacity(n),
+                names,
+                sky: Vec::with_capacity(n),
+                absorbed: Vec::with_capacity(n),
+                transmitted: Vec::with_capacity(n),
+            },
+            sums: vec![0.0; n],
+            touched: Vec::new(),
+            sky: 0.0,
+            absorbed: 0.0,
+            transmitted: 0.0,
+            area: 0.0,
+            surface: None,
+        }
+    }
+
+    /// Adds the row of one patch; what arrives at a column of no surface counts as absorbed.
+    fn add(
+        &mut self,
+        surface: usize,
+        area: f64,
+        row: &Collected,
+        of_column: impl Fn(usize) -> Option<usize>,
+    ) {
+        if self.surface.is_some_and(|at_work| at_work != surface) {
+            self.push();
+        }
+        self.surface = Some(surface);
+        self.area += area;
+        self.sky += area * row.sky;
+        self.absorbed += area * row.absorbed;
+        self.transmitted += area * row.transmitted;
+        for &(column, f) in &row.entries {
+            let exchange = area * f64::from(f);
+            let Some(to) = of_column(column as usize) else {
+                self.absorbed += exchange;
+                continue;
+            };
+            if self.sums[to] == 0.0 {
+                self.touched.push(crate::index32(to));
+            }
+            self.sums[to] += exchange;
+        }
+    }
+
+    /// Ends the surface at work.
+    fn push(&mut self) {
+        self.touched.sort_unstable();
+        self.touched.dedup();
+        let area = self.area;
+        let entry = |&column: &u32| {
+            let sum = core::mem::take(&mut self.sums[column as usize]);
+            (column, to_f32(ratio(sum, area)))
+        };
+        let collected = Collected {
+            entries: self
+                .touched
+                .iter()
+                .map(entry)
+                .filter(|&(_, f)| f != 0.0)
+                .collect(),
+            sky: ratio(self.sky, area),
+            absorbed: ratio(self.absorbed, area),
+            transmitted: ratio(self.transmitted, area),
+        };
+        self.matrix.push(self.matrix.areas.len(), &collected);
+        self.matrix.areas.push(area);
+        self.touched.clear();
+        (self.sky, self.absorbed, self.transmitted) = (0.0, 0.0, 0.0);
+        self.area = 0.0;
+    }
+
+    fn finish(mut self) -> ViewFactorMatrix {
+        if self.surface.is_some() {
+            self.push();
+        }
+        self.matrix
+    }
+}
+
+/// The row of a patch, the mean over the bands.
+fn mean_row(factors: &dyn FormFactors, patch: usize, row: &mut Row) -> Collected {
+    let mesh = factors.mesh();
+    factors.fill_row(mesh.patches()[patch], row);
+    if row.bands == 1 && !mesh.visibility().is_tinted() {
+        return collect(mesh, row, 0);
+    }
+    let bands = [0, 1, 2].map(|band| collect(mesh, row, band));
+    let mean = |of: fn(&Collected) -> f64| bands.iter().map(of).sum::<f64>() / 3.0;
+    let mut entries: Vec<(u32, f32)> = bands
+        .iter()
+        .flat_map(|b| b.entries.iter().copied())
+        .collect();
+    entries.sort_by_key(|&(column, _)| column);
+    entries.dedup_by(|later, kept| {
+        let same = later.0 == kept.0;
+        if same {
+            kept.1 += later.1;
+        }
+        same
+    });
+    entries.iter_mut().for_each(|(_, f)| *f /= 3.0);
+    Collected {
+        entries,
+        sky: mean(|band| band.sky),
+        absorbed: mean(|band| band.absorbed),
+        transmitted: mean(|band| band.transmitted),
+    }
+}
+
+/// Whether the matrix is to be sparse; refuses what would not fit.
+fn choose_storage(
+    factors: &dyn FormFactors,
+    surfaces: &Surfaces,
+    options: MatrixOptions,
+) -> Result<bool, RadiosityError> {
+    let n = surfaces.len();
+    let dense = n.saturating_mul(n).saturating_mul(4);
+    let limit = options.memory_limit;
+    if options.storage == Storage::Dense
+        || (options.storage == Storage::Auto && dense <= SMALL.min(limit))
+    {
+        return if dense > limit {
+            Err(too_large(n, dense, limit))
+        } else {
+            Ok(false)
+        };
+    }
+    let share = sampled_share(factors, surfaces);
+    let is_sparse = options.storage == Storage::Sparse || share < SPARSE_BELOW;
+    // A sparse entry takes a column besides its value.
+    let needed = if is_sparse {
+        to_bytes(2.0 * dense as f64 * share)
+    } else {
+        dense
+    };
+    if needed > limit {
+        return Err(too_large(n, needed, limit));
+    }
+    Ok(is_sparse)
+}
+
+/// Share of entries that are not zero in the rows of some patches, evenly picked.
+fn sampled_share(factors: &dyn FormFactors, surfaces: &Surfaces) -> f64 {
+    let patches = factors.mesh().patches().len();
+    let rows = patches.min(SAMPLED_ROWS);
+    let counts: Vec<usize> = (0..rows)
+        .into_par_iter()
+        .map_init(Row::default, |row, k| {
+            let row = mean_row(factors, k * patches / rows, row);
+            let columns = row.entries.iter();
+            let mut to: Vec<usize> = columns
+                .filter_map(|&(j, _)| surfaces.of_patch(j as usize))
+                .collect();
+            to.sort_unstable();
+            to.dedup();
+            to.len()
+        })
+        .collect();
+    ratio(
+        counts.iter().sum::<usize>() as f64,
+        (rows * surfaces.len()) as f64,
+    )
+}
+
+fn too_large(n: usize, bytes: usize, limit: usize) -> RadiosityError {
+    RadiosityError::Option(format!(
+        "the {n} x {n} form factors take about {} MiB, {} MiB are free for them; sum them over objects, or leave \
+         faces out",
+        (bytes >> 20) + 1,
+        limit >> 20
+    ))
+}
