@@ -4,10 +4,12 @@
 mod args;
 mod csv;
 mod failure;
+mod history;
 mod input;
 mod interrupt;
 mod output;
 mod picture;
+mod plot;
 mod progress;
 mod report;
 mod solving;
@@ -49,6 +51,7 @@ fn run(cli: &Cli, start: Instant) -> Result<(), Failure> {
         Verb::Solve(args) => verb::solve::run(args, cli.global, start),
         Verb::Measure(args) => verb::measure::run(args, cli.global, start),
         Verb::Render(args) => verb::render::run(args, cli.global, start),
+        Verb::Compare(args) => verb::compare::run(args, cli.global),
         Verb::Scenes => verb::scenes::run(cli.global),
         Verb::Info(args) => verb::info::run(args, cli.global),
         Verb::Completions(args) => verb::completions::run(args),

@@ -11,6 +11,7 @@ fn every_verb_has_help_with_an_example() {
         "solve",
         "measure",
         "render",
+        "compare",
         "scenes",
         "info",
         "completions",

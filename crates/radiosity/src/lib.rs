@@ -17,16 +17,18 @@
 //! ```
 //!
 //! # Current state
-//! Rows of form factors come from rays ([`RayCast`], which [`solve()`] uses) or from item buffers
+//! Rows of form factors come from rays ([`RayCast`]) or from item buffers
 //! ([`form_factor::hemicube`]); [`form_factor::analytic`] and [`form_factor::nusselt`] are functions of polygons and
-//! points. [`Shooting`] needs no matrix; [`solve::on_matrix`] runs Gauss, Jacobi, Gauss-Seidel, Southwell and gathering
-//! on a [`form_factor::matrix`]. Radiosity is constant on an element.
+//! points. [`Shooting`] and overshooting need no matrix; [`solve::on_matrix`] runs Gauss, Jacobi, Gauss-Seidel,
+//! Southwell, gathering, overshooting and conjugate gradients on a [`form_factor::matrix`]. Radiosity is constant on an
+//! element.
 //! Coordinates are f32: a scene more than a hundred times its size away from the origin loses percents. Light that is
 //! not emitted by surfaces (sun, points) does not get more rays for its first reflection than other reflected light.
 //! Functions behind the doors ([`solve()`], [`PatchMesh::build`]) panic only on indices that are not of the mesh.
 #![forbid(unsafe_code)]
 
 mod band_sum;
+pub mod compare;
 pub mod drawn;
 mod error;
 pub mod export;
@@ -38,13 +40,16 @@ pub mod primary;
 pub mod sampling;
 pub mod solution;
 pub mod solve;
+pub mod stop;
 pub mod visibility;
 
 pub use drawn::DrawnMesh;
 pub use error::RadiosityError;
 pub use form_factor::{FormFactors, RayCast, RayCastOptions, Row};
 pub use gather::{GatherOptions, Gatherer};
-pub use job::{Quality, SolveOptions, SolverKind, resume, solve};
+pub use job::{
+    Quality, SolveOptions, SolverKind, Way, resume, resume_until, solve, solve_until, unlit,
+};
 pub use patch::{NodeId, PatchMesh, PatchOptions};
 pub use solution::{EnergyBalance, Grouping, Solution};
 pub use solve::{Order, Progress, Shooting, Solver};

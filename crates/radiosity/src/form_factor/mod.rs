@@ -85,3 +85,17 @@ pub trait FormFactors: Send + Sync {
         0
     }
 }
+
+impl<F: FormFactors + ?Sized> FormFactors for Box<F> {
+    fn mesh(&self) -> &Arc<PatchMesh> {
+        (**self).mesh()
+    }
+
+    fn fill_row(&self, source: NodeId, row: &mut Row) {
+        (**self).fill_row(source, row);
+    }
+
+    fn rays(&self) -> u64 {
+        (**self).rays()
+    }
+}

@@ -1,22 +1,30 @@
 //! Ways to the equilibrium of light.
 
 pub mod ambient;
+pub mod conjugate_gradient;
+pub mod element_gathering;
 pub mod gathering;
 pub mod gauss;
+mod gauss_blocked;
 pub mod gauss_seidel;
 pub mod jacobi;
 mod max_tree;
 pub mod on_matrix;
+pub mod overshooting;
 pub mod shooting;
+mod shot;
 pub mod southwell;
 pub mod system;
 
 pub use ambient::ambient_irradiance;
+pub use conjugate_gradient::ConjugateGradient;
+pub use element_gathering::ElementGathering;
 pub use gathering::Gathering;
 pub use gauss::Gauss;
 pub use gauss_seidel::GaussSeidel;
 pub use jacobi::Jacobi;
-pub use on_matrix::OnMatrix;
+pub use on_matrix::{NotStarted, OnMatrix};
+pub use overshooting::Overshooting;
 pub use shooting::{Order, Shooting};
 pub use southwell::Southwell;
 pub use system::{MatrixMethod, MatrixRun, MatrixSolverKind, solve_matrix};
@@ -29,7 +37,13 @@ pub trait Solver {
     /// Does one step.
     fn step(&mut self) -> Progress;
 
-    /// Light as it stands.
+    /// Where it is.
+    fn progress(&self) -> Progress;
+
+    /// Brings the solution up to date, for solvers that do so only now and then.
+    fn settle(&mut self) {}
+
+    /// Light as it stands, or stood when it was last brought up to date.
     fn solution(&self) -> &Solution;
 
     /// Light as it stands, taken out.
@@ -50,22 +64,25 @@ pub struct Progress {
     pub residual: f64,
 }
 
-/// Steps until the unshot share is at most `tolerance` or `go_on` says no.
+/// Steps until the unshot share is at most `tolerance` or `go_on` says no. It is asked before every step, and told the
+/// last state, whatever it answers then.
 pub fn run(
     solver: &mut impl Solver,
     tolerance: f64,
     mut go_on: impl FnMut(&Progress, &Solution) -> bool,
 ) -> Progress {
-    let mut progress = Progress {
-        iteration: solver.solution().provenance.steps,
-        unshot: solver.solution().unshot_fraction(),
-        residual: 1.0,
-    };
-    while progress.unshot > tolerance
-        && progress.residual > 0.0
-        && go_on(&progress, solver.solution())
-    {
+    let mut progress = solver.progress();
+    loop {
+        if progress.unshot <= tolerance {
+            // Solvers on a matrix judge by it; what counts is what the rows have left.
+            solver.settle();
+            progress = solver.progress();
+        }
+        let wanted = go_on(&progress, solver.solution());
+        let is_done = progress.unshot <= tolerance || progress.residual <= 0.0;
+        if is_done || !wanted {
+            return progress;
+        }
         progress = solver.step();
     }
-    progress
 }
