@@ -103,7 +103,7 @@ fn refuse_changes(args: &SolveVerb, lit: &Path) -> Result<(), Failure> {
         .scene_options
         .given()
         .into_iter()
-        .chain(args.solve.mesh_given())
+        .chain(args.solve.mesh.mesh_given())
         .collect();
     if given.is_empty() {
         Ok(())
