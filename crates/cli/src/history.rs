@@ -145,11 +145,11 @@ impl History {
                 provenance.form_factors
             ),
             x_label: String::from("steps"),
-            y_label: String::from("share"),
+            y_label: String::from("share of emitted light; error: of reflected light"),
             curves: vec![
                 curve("unshot", &|e| Some(e.progress.unshot)),
-                curve("of one patch", &|e| Some(e.progress.residual)),
-                curve("error to end", &|e| e.error),
+                curve("largest patch", &|e| Some(e.progress.residual)),
+                curve("RMS error to end", &|e| e.error),
             ],
         }
     }

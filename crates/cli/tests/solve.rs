@@ -350,15 +350,17 @@ fn time_also_holds_before_the_first_step() {
     let start = std::time::Instant::now();
     let output = folder.run(&[
         "solve",
-        "office",
+        "two-rooms",
+        "--elements",
+        "20000",
         "--patches",
-        "2000",
+        "4000",
         "--rays",
         "4096",
         "--solver",
         "jacobi",
         "--time",
-        "3s",
+        "5s",
         "-o",
         "lit.glb",
     ]);

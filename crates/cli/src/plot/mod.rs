@@ -88,8 +88,21 @@ impl Chart {
         let x = linear_axis(points().map(|(x, _)| x), area.left, area.right);
         let y = log_axis(points().map(|(_, y)| y), area.bottom, area.top);
         self.draw_axes(&mut drawing, area, &x, &y);
+        let places = |curve: &Curve| -> Vec<[f64; 2]> {
+            let shown = curve.shown();
+            shown
+                .map(|(at, share)| [x.place(at), y.place(share)])
+                .collect()
+        };
+        let all: Vec<Vec<[f64; 2]>> = self.curves.iter().map(places).collect();
         for (i, curve) in self.curves.iter().enumerate() {
-            draw_curve(&mut drawing, area, (&x, &y), curve, i);
+            let hides_another = all[..i].iter().any(|before| coincide(before, &all[i]));
+            let style = Style {
+                color: COLORS[i % COLORS.len()],
+                dashed: hides_another || i >= COLORS.len(),
+            };
+            draw_curve(&mut drawing, area, &all[i], style);
+            draw_name(&mut drawing, area, &curve.name, i, style);
         }
         drawing
     }
@@ -134,30 +147,37 @@ pub fn label(lines: &[String], width: usize, height: usize) -> Drawing {
     drawing
 }
 
-/// A curve and its entry in the legend.
-fn draw_curve(drawing: &mut Drawing, area: Area, axes: (&Axis, &Axis), curve: &Curve, i: usize) {
-    let color = COLORS[i % COLORS.len()];
-    let dashed = i >= COLORS.len();
-    let all: Vec<[f64; 2]> = curve
-        .shown()
-        .map(|(x, y)| [axes.0.place(x), axes.1.place(y)])
-        .collect();
-    let points = thinned(&all, area);
+/// How a curve is told from the others.
+#[derive(Debug, Clone, Copy)]
+struct Style {
+    color: [u8; 3],
+    dashed: bool,
+}
+
+fn draw_curve(drawing: &mut Drawing, area: Area, places: &[[f64; 2]], style: Style) {
     drawing.shapes.push(Shape::Path {
-        points,
-        color,
+        points: thinned(places, area),
+        color: style.color,
         width: 2.0,
-        dashed,
+        dashed: style.dashed,
     });
+}
+
+/// The entry of a curve in the legend.
+fn draw_name(drawing: &mut Drawing, area: Area, name: &str, i: usize, style: Style) {
     let y = area.top + 10.0 + 24.0 * i as f64;
-    drawing.shapes.push(Shape::Path {
-        points: vec![[area.right + 14.0, y], [area.right + 42.0, y]],
-        color,
-        width: 2.0,
-        dashed,
-    });
+    let ends = [[area.right + 14.0, y], [area.right + 42.0, y]];
+    draw_curve(drawing, area, &ends, style);
     let at = [area.right + 48.0, y - 8.0];
-    drawing.text(at, &curve.name, Anchor::Start, 16, INK);
+    drawing.text(at, name, Anchor::Start, 16, INK);
+}
+
+/// Whether two curves over the same steps lie on each other for the most part, so that one would hide the other.
+fn coincide(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
+    let close =
+        |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).abs() < 0.5 && (a[1] - b[1]).abs() < 1.5;
+    let together = a.iter().zip(b).filter(|&(a, b)| close((a, b))).count();
+    together * 2 > a.len().max(b.len())
 }
 
 /// At most two points in each column of pixels, its lowest and its highest, so that files stay small.
@@ -219,6 +239,31 @@ mod tests {
             assert!(!drawing.svg().contains("NaN"), "{points:?}");
             assert!(drawing.png().is_ok(), "{points:?}");
         }
+    }
+
+    #[test]
+    fn curve_that_lies_on_another_is_dashed() {
+        let points: Vec<(f64, f64)> = (0..50).map(|i| (f64::from(i), 0.9_f64.powi(i))).collect();
+        let mut chart = chart(points.clone());
+        assert!(
+            !chart.draw(800, 500).svg().contains("dasharray"),
+            "one alone"
+        );
+        chart.curves.push(Curve::new(
+            "other",
+            points.iter().map(|&(x, y)| (x, y * y)).collect(),
+        ));
+        assert!(
+            !chart.draw(800, 500).svg().contains("dasharray"),
+            "two apart"
+        );
+        chart.curves.push(Curve::new("same", points));
+        let svg = chart.draw(800, 500).svg();
+        assert_eq!(
+            svg.matches("dasharray").count(),
+            2,
+            "a curve and its entry in the legend"
+        );
     }
 
     #[test]
