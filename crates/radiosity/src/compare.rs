@@ -38,7 +38,7 @@ pub fn shown_radiosity(solution: &Solution, kind: SolverKind) -> Vec<Rgb> {
 }
 
 /// Root of the mean squared error of radiosities over area and bands, relative to the light that surfaces reflect in
-/// truth: `√(Σ A |B - B*|² / Σ A |B* - E|²)`. It is 1 where only emitters shine; NaN if nothing is reflected.
+/// truth: `√(Σ A |B - B*|² / Σ A |B* - E|²)`. It is 1 where only emitters shine, and 0 where that is all there is.
 pub fn relative_error(radiosity: &[Rgb], truth: &Solution) -> f64 {
     let square = |c: Rgb| -> f64 { c.to_array().iter().map(|&x| f64::from(x).powi(2)).sum() };
     let (mut error, mut light) = (0.0, 0.0);
@@ -47,6 +47,9 @@ pub fn relative_error(radiosity: &[Rgb], truth: &Solution) -> f64 {
         let true_b = truth.element_radiosity(e);
         error += area * square(b - true_b);
         light += area * square(true_b - truth.element_exitance(e));
+    }
+    if error == 0.0 {
+        return 0.0;
     }
     (error / light).sqrt()
 }

@@ -1,4 +1,19 @@
-//! Ways to the equilibrium of light.
+//! Ways to the equilibrium of light, `B_i = E_i + ρ_i Σ_j F_ij B_j`.
+//!
+//! | way | a step | needs |
+//! |---|---|---|
+//! | [`Shooting`], cyclic or sorted (Cohen, Chen, Wallace, Greenberg 1988) | a patch shoots | rows on demand |
+//! | [`Shooting`], [`overshooting`] (Feda, Purgathofer 1992) | a patch shoots, what it will get back included | rows on demand |
+//! | [`Gauss`] (Goral, Torrance, Greenberg, Battaile 1984 solved so) | columns are eliminated | matrix, and `8 n²` bytes a channel |
+//! | [`Jacobi`] | all patches gather at once | matrix |
+//! | [`GaussSeidel`] (Cohen, Greenberg 1985), [`Gathering`] | patches gather one after the other; one a step | matrix |
+//! | [`Southwell`] (Gortler, Cohen, Slusallek 1994), [`Overshooting`] | the patch with the largest residual is relaxed | matrix twice |
+//! | [`ConjugateGradient`] (van der Vorst 1992) | a descent in all patches | matrix |
+//!
+//! [`OnMatrix`] runs those on a matrix as a [`Solver`] of a [`Solution`]; [`MatrixRun`] runs them on plain vectors. To
+//! an unshot share of 1e-5 the default Cornell box (560 patches) takes 4704 sorted shots, 2935 with overshooting, 18
+//! sweeps of Jacobi, 10 of Gauss-Seidel, or 6 iterations of conjugate gradients, each worth two sweeps. The brighter
+//! the room, the more the last and overshooting gain: 1557 shots instead of 14,161 in a closed box of reflectance 0.9.
 
 pub mod ambient;
 pub mod conjugate_gradient;
