@@ -25,6 +25,9 @@ pub(super) struct Estimate {
     reflecting: [Vec<f64>; BANDS],
     /// Irradiance still to come, by channel.
     ambient: Vec<f64>,
+    /// By band, of what this solver has shot: all of it, and what met no surface.
+    shot: [f64; BANDS],
+    escaped: [f64; BANDS],
 }
 
 impl Estimate {
@@ -40,6 +43,23 @@ impl Estimate {
             interior: Interior::new(mesh),
             reflecting: [0, 1, 2].map(|band| patches.clone().map(|p| of_patch(p, band)).collect()),
             ambient: Vec::new(),
+            shot: [0.0; BANDS],
+            escaped: [0.0; BANDS],
+        }
+    }
+
+    /// Learns from a shot how much of the light stays in the scene.
+    pub(super) fn learn(&mut self, band: usize, flux: f64, escaped: f32) {
+        self.shot[band] += flux.abs();
+        self.escaped[band] += flux.abs() * f64::from(escaped);
+    }
+
+    /// Share of what is shot that meets a surface; none before the first shot, which so shoots only what is there.
+    fn kept(&self, band: usize) -> f64 {
+        if self.shot[band] > 0.0 {
+            1.0 - self.escaped[band] / self.shot[band]
+        } else {
+            0.0
         }
     }
 
@@ -48,10 +68,8 @@ impl Estimate {
         let patches = 0..solution.mesh().patches().len();
         let fluxes: Vec<Vec<f64>> = patches.map(|p| unshot_flux(solution, p)).collect();
         let of_channel = |channel: usize| {
-            let (group, band) = (channel / BANDS, channel % BANDS);
-            let unshot = fluxes.iter().map(|f| f[channel]).sum();
-            self.interior
-                .ambient(band, unshot, &solution.balance(group, band))
+            let (band, unshot) = (channel % BANDS, fluxes.iter().map(|f| f[channel]).sum());
+            self.interior.ambient(band, unshot, self.kept(band))
         };
         self.ambient = (0..solution.groups().len() * BANDS)
             .map(of_channel)

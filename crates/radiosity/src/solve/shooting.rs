@@ -132,6 +132,9 @@ impl<'a> Shooting<'a> {
             if flux == 0.0 {
                 continue;
             }
+            if let Some(estimate) = &mut self.estimate {
+                estimate.learn(band, flux, row.escaped[band]);
+            }
             let balance = &mut balance[group][band];
             let reflect = |e: usize, _, radiosity| unshot[e] += radiosity;
             self.surfaces
