@@ -3,6 +3,7 @@
 use hemicube::radiosity::compare::{converged, relative_error, shown_radiosity, variant};
 use hemicube::radiosity::form_factor::hemicube::HemicubeOptions;
 use hemicube::radiosity::form_factor::{Cached, FormFactorKind, MatrixOptions};
+use hemicube::radiosity::solve::ambient_irradiance;
 use hemicube::radiosity::stop::NEVER;
 use hemicube::radiosity::{
     PatchOptions, RadiosityError, RayCast, RayCastOptions, Solution, SolveOptions, SolverKind, Way,
@@ -139,6 +140,28 @@ fn limits_end_them_all_with_energy_kept() {
 }
 
 #[test]
+fn on_a_matrix_they_end_where_only_rounding_is_left() {
+    for kind in SolverKind::ALL {
+        let Way::OnMatrix(_) = kind.way() else {
+            continue;
+        };
+        let options = SolveOptions {
+            tolerance: 0.0,
+            ..small(kind)
+        };
+        let mut steps = 0;
+        let solution = solve(scene("cornell"), &options, |_, _| {
+            steps += 1;
+            steps < 100_000
+        })
+        .expect("it can be solved");
+        let (name, left) = (kind.name(), solution.unshot_fraction());
+        assert!(steps < 100_000, "{name} goes on with {left:.1e} unshot");
+        assert!(left < 1e-6, "{name} gives up at {left:.1e}");
+    }
+}
+
+#[test]
 fn same_bits_on_one_and_two_threads() {
     for kind in SolverKind::ALL {
         let run = |threads| {
@@ -234,6 +257,33 @@ fn stopping_leaves_no_half_built_mesh_and_no_half_built_matrix() {
         let stopped = stopped.unwrap_or_else(|e| panic!("{}: {e}", kind.name()));
         assert_eq!(stopped.unshot(0, 0), start.unshot(0, 0), "{}", kind.name());
         assert_balanced(&stopped, kind.name());
+    }
+}
+
+#[test]
+fn ambient_estimate_is_near_the_mean_of_what_is_missing() {
+    for (name, most) in [("cornell", 0.1), ("two-rooms", 0.1), ("furnace", 0.01)] {
+        let scene = scene(name);
+        let at = |max_steps| {
+            let options = SolveOptions {
+                max_steps,
+                ..small(SolverKind::SortedShooting)
+            };
+            solve(scene.clone(), &options, |_, _| true).expect("it can be solved")
+        };
+        let (part, whole) = (at(Some(40)), at(None));
+        let (mut missing, mut area) = (0.0, 0.0);
+        for e in 0..whole.mesh().elements().len() {
+            let a = whole.mesh().exposed_area(e);
+            missing += a * (whole.element_irradiance(e).g - part.element_irradiance(e).g);
+            area += a;
+        }
+        let (estimate, missing) = (ambient_irradiance(&part).g, missing / area);
+        println!("{name}: {estimate} for {missing}");
+        assert!(
+            (estimate / missing - 1.0).abs() < most,
+            "{name}: {estimate} for {missing}"
+        );
     }
 }
 

@@ -9,6 +9,7 @@ use hemicube::radiosity::{self, Progress, Solution, SolveOptions};
 use hemicube::scene::Scene;
 use serde::Serialize;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Why the solver stopped.
@@ -68,18 +69,16 @@ impl Watch {
 
     /// Solves a scene from nothing.
     pub fn solve(&self, scene: Scene, options: SolveOptions) -> Result<Solved, Failure> {
-        let stop = || self.reason().is_some();
-        self.work(0, options, |go_on| {
-            radiosity::solve_until(Arc::new(scene), &options, &stop, go_on)
+        self.work(0, options, |stop, go_on| {
+            radiosity::solve_until(Arc::new(scene), &options, stop, go_on)
         })
     }
 
     /// Goes on with a solution.
     pub fn resume(&self, solution: Solution, options: SolveOptions) -> Result<Solved, Failure> {
         let steps = solution.provenance.steps;
-        let stop = || self.reason().is_some();
-        self.work(steps, options, |go_on| {
-            radiosity::resume_until(solution, &options, &stop, go_on)
+        self.work(steps, options, |stop, go_on| {
+            radiosity::resume_until(solution, &options, stop, go_on)
         })
     }
 
@@ -99,13 +98,22 @@ impl Watch {
         steps_before: u64,
         options: SolveOptions,
         work: impl FnOnce(
+            radiosity::stop::Stop<'_>,
             &mut dyn FnMut(&Progress, &Solution) -> bool,
         ) -> Result<Solution, radiosity::RadiosityError>,
     ) -> Result<Solved, Failure> {
         let bar = Bar::new("solving", self.quiet);
+        let has_begun = AtomicBool::new(false);
+        let stop = || {
+            if !has_begun.load(Ordering::Relaxed) {
+                bar.show(0.0, || String::from("getting ready"));
+            }
+            self.reason().is_some()
+        };
         let mut first = None;
         let mut history = self.keeps_history.then(|| History::new(self.start));
-        let solution = work(&mut |progress, solution| {
+        let solution = work(&stop, &mut |progress, solution| {
+            has_begun.store(true, Ordering::Relaxed);
             if let Some(history) = &mut history {
                 history.record(progress, solution);
             }

@@ -55,6 +55,11 @@ pub trait Solver {
     /// Where it is.
     fn progress(&self) -> Progress;
 
+    /// Whether further steps would only move the rounding of numbers around.
+    fn is_exhausted(&self) -> bool {
+        false
+    }
+
     /// Brings the solution up to date, for solvers that do so only now and then.
     fn settle(&mut self) {}
 
@@ -94,7 +99,8 @@ pub fn run(
             progress = solver.progress();
         }
         let wanted = go_on(&progress, solver.solution());
-        let is_done = progress.unshot <= tolerance || progress.residual <= 0.0;
+        let is_done =
+            progress.unshot <= tolerance || progress.residual <= 0.0 || solver.is_exhausted();
         if is_done || !wanted {
             return progress;
         }

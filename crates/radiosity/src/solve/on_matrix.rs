@@ -19,6 +19,9 @@ use rayon::prelude::*;
 /// Rows that are filled at the same time when a correction is shot.
 const ROWS: usize = 64;
 
+/// Share of the emitted flux below which what no longer falls is rounding.
+const ROUNDING: f64 = 1e-5;
+
 /// A matrix method that solves a solution.
 ///
 /// A step is one of the method: a pivot column or a block of them (Gauss), a patch (Southwell, gathering,
@@ -37,6 +40,9 @@ pub struct OnMatrix<'a> {
     emitted: f64,
     /// Whether steps were done since the solution was brought up to date.
     is_pending: bool,
+    /// Summed residual flux after the last sweep.
+    left: f64,
+    is_exhausted: bool,
 }
 
 /// What it takes to shoot a correction.
@@ -126,6 +132,8 @@ impl<'a> OnMatrix<'a> {
             channels,
             emitted,
             is_pending: false,
+            left: f64::INFINITY,
+            is_exhausted: false,
         };
         solver.solution.provenance.solver = kind.name().into();
         Ok(solver)
@@ -151,6 +159,10 @@ impl<'a> OnMatrix<'a> {
         self.shots.shoot_all(&mut self.solution, &mut self.channels);
         self.method.restart();
         self.is_pending = false;
+        let left = self.residual().1;
+        // Light is kept in f32: from some sweep on residuals are its rounding.
+        self.is_exhausted = left > 0.999 * self.left && left < ROUNDING * self.emitted;
+        self.left = left;
     }
 
     /// Largest and summed residual flux over patches, channels together.
@@ -246,6 +258,10 @@ impl Solver for OnMatrix<'_> {
             unshot: sum / emitted,
             residual: largest / emitted,
         }
+    }
+
+    fn is_exhausted(&self) -> bool {
+        self.is_exhausted
     }
 
     fn settle(&mut self) {
