@@ -11,9 +11,10 @@
 //! | [`ConjugateGradient`] (van der Vorst 1992) | a descent in all patches | matrix |
 //!
 //! [`OnMatrix`] runs those on a matrix as a [`Solver`] of a [`Solution`]; [`MatrixRun`] runs them on plain vectors. To
-//! an unshot share of 1e-5 the default Cornell box (560 patches) takes 4704 sorted shots, 2935 with overshooting, 18
+//! an unshot share of 1e-5 the default Cornell box (560 patches) takes 4704 sorted shots, 2821 with overshooting, 18
 //! sweeps of Jacobi, 10 of Gauss-Seidel, or 6 iterations of conjugate gradients, each worth two sweeps. The brighter
-//! the room, the more the last and overshooting gain: 1557 shots instead of 14,161 in a closed box of reflectance 0.9.
+//! the room, the more overshooting and conjugate gradients gain: 2498 shots instead of 43,559 in a closed box of
+//! reflectance 0.95, where Gauss-Seidel takes 113 sweeps.
 
 pub mod ambient;
 pub mod conjugate_gradient;
