@@ -65,7 +65,12 @@ impl History {
             error: None,
         });
         let step = (progress.iteration - first) as f64;
-        if step >= self.next_state {
+        // Solvers on a matrix bring light up to date only now and then.
+        let is_current = || {
+            let kept = solution.unshot_fraction();
+            (kept - progress.unshot).abs() <= 1e-3 * kept
+        };
+        if step >= self.next_state && is_current() {
             self.next_state = (step * self.growth).max(step + 1.0);
             let elements = 0..solution.mesh().elements().len();
             let state = elements.map(|e| solution.element_radiosity(e)).collect();
@@ -146,11 +151,14 @@ impl History {
             ),
             x_label: String::from("steps"),
             y_label: String::from("share of emitted light; error: of reflected light"),
-            curves: vec![
+            curves: [
                 curve("unshot", &|e| Some(e.progress.unshot)),
                 curve("largest patch", &|e| Some(e.progress.residual)),
                 curve("RMS error to end", &|e| e.error),
-            ],
+            ]
+            .into_iter()
+            .filter(Curve::is_visible)
+            .collect(),
         }
     }
 }

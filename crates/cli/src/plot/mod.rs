@@ -43,6 +43,11 @@ impl Curve {
         }
     }
 
+    /// Whether there is a line to be seen.
+    pub fn is_visible(&self) -> bool {
+        self.shown().count() > 1
+    }
+
     /// Points that a logarithmic axis can show.
     fn shown(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let is_shown = |&(x, y): &(f64, f64)| x.is_finite() && y.is_finite() && y > 0.0;
