@@ -5,6 +5,7 @@ use hemicube::radiosity::form_factor::raycast::Strategy;
 use hemicube::radiosity::form_factor::{
     Analytic, AnalyticOptions, MatrixOptions, Storage, ViewFactorMatrix,
 };
+use hemicube::radiosity::stop::NEVER;
 use hemicube::radiosity::{FormFactors, PatchMesh, PatchOptions, RayCast, RayCastOptions, Row};
 use hemicube::scene::{Scene, builtin};
 use hemicube_tests::enclosures::{cube, room_with_cube};
@@ -35,7 +36,7 @@ fn matrix(factors: &Analytic) -> ViewFactorMatrix {
 }
 
 fn dense(factors: &Analytic) -> DenseRows {
-    factors.dense_rows().expect("patches are elements")
+    factors.dense_rows(NEVER).expect("patches are elements")
 }
 
 /// RMS and largest difference of two matrices.

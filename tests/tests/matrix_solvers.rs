@@ -1,7 +1,8 @@
 //! Matrices of form factors, and the solvers that work on them.
 
 use hemicube::radiosity::form_factor::{Cached, MatrixOptions, Storage, ViewFactorMatrix};
-use hemicube::radiosity::solve::{MatrixRun, MatrixSolverKind, OnMatrix, run, solve_matrix};
+use hemicube::radiosity::solve::system::{Channel, MatrixMethod, System};
+use hemicube::radiosity::solve::{Gauss, MatrixRun, MatrixSolverKind, OnMatrix, run, solve_matrix};
 use hemicube::radiosity::{
     FormFactors, Order, PatchMesh, PatchOptions, RayCast, RayCastOptions, Shooting, Solution,
     Solver,
@@ -95,6 +96,114 @@ fn all_solvers_agree_on_the_same_factors() {
                 kind.name()
             );
         }
+    }
+}
+
+/// Channels of a system over a matrix: some share their reflectances, some do not.
+fn channels(n: usize) -> Vec<Channel> {
+    let noise = |i: usize, k: usize| ((i * 7919 + k * 104_729) % 1009) as f64 / 1009.0;
+    let channel = |k: usize| Channel {
+        matrix: 0,
+        reflectance: (0..n).map(|i| 0.9 * noise(i, k % 2)).collect(),
+        emission: (0..n).map(|i| noise(i, k + 5)).collect(),
+        radiosity: vec![0.0; n],
+    };
+    (0..4).map(channel).collect()
+}
+
+#[test]
+fn elimination_by_blocks_equals_the_readable_one() {
+    // 64 columns are a block, 128 of them a strip: sizes on both sides of each.
+    for patches in [20, 60, 150, 400] {
+        let matrix = matrix_of(&factors_of(&cornell(patches)), MatrixOptions::default());
+        let n = matrix.size();
+        let solve = |readable_up_to| {
+            let mut channels = channels(n);
+            let entries = core::slice::from_ref(matrix.entries());
+            let mut system = System::new(entries, matrix.areas(), &mut channels);
+            let mut gauss = Gauss::readable_up_to(readable_up_to);
+            let mut steps = 1;
+            while !gauss.step(&mut system) {
+                steps += 1;
+            }
+            (channels, steps)
+        };
+        let ((readable, columns), (blocked, blocks)) = (solve(n), solve(0));
+        assert_eq!(
+            (columns, blocks),
+            (n, n.div_ceil(64)),
+            "columns and blocks are steps"
+        );
+        for (a, b) in readable.iter().zip(&blocked) {
+            for (a, b) in a.radiosity.iter().zip(&b.radiosity) {
+                assert!((a - b).abs() < 1e-12 * a.abs(), "{n} patches: {a} and {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn channels_gathered_together_are_those_gathered_alone() {
+    let matrix = matrix_of(&factors_of(&cornell(100)), MatrixOptions::default());
+    let entries = core::slice::from_ref(matrix.entries());
+    for kind in MatrixSolverKind::ALL {
+        let step = |channels: &mut [Channel]| {
+            let mut system = System::new(entries, matrix.areas(), channels);
+            let mut method = kind.method();
+            (0..3).for_each(|_| {
+                method.step(&mut system);
+            });
+        };
+        let mut together = channels(matrix.size());
+        step(&mut together);
+        let mut alone = channels(matrix.size());
+        alone.chunks_mut(1).for_each(step);
+        let is_as_alone = match kind {
+            // They choose one patch for all channels.
+            MatrixSolverKind::Southwell | MatrixSolverKind::Overshooting => continue,
+            // Several right sides are solved in another order than one.
+            MatrixSolverKind::Gauss => {
+                let radiosity =
+                    |c: &[Channel]| c.iter().flat_map(|c| c.radiosity.clone()).collect();
+                let (a, b): (Vec<f64>, Vec<f64>) = (radiosity(&together), radiosity(&alone));
+                a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= 1e-13 * b)
+            }
+            _ => together == alone,
+        };
+        assert!(is_as_alone, "{}: the same light", kind.name());
+    }
+}
+
+#[test]
+fn overshooting_owes_and_pays() {
+    let mesh = mesh_of(builtin::scene("two-rooms").expect("it is built in"), 200);
+    let factors = factors_of(&mesh);
+    let shots = |order, tolerance| {
+        let mut solver = Shooting::new(&factors, emitters_only(&mesh), order);
+        let mut least = 0.0_f32;
+        let progress = run(&mut solver, tolerance, |_, solution| {
+            least = solution.unshot(0, 1).iter().copied().fold(least, f32::min);
+            true
+        });
+        let solution = solver.into_solution();
+        assert_balanced(&solution, &format!("{order:?}"));
+        (progress.iteration, least, solution)
+    };
+    let (sorted, owed, truth) = shots(Order::Sorted, 1e-6);
+    assert_eq!(owed, 0.0, "sorted shooting owes nothing");
+    let (ahead, owed, solution) = shots(Order::Overshooting, 1e-6);
+    assert!(owed < 0.0, "what is shot ahead is owed");
+    println!("{sorted} shots, {ahead} with overshooting");
+    assert!(ahead < sorted, "{ahead} shots instead of {sorted}");
+    for e in 0..mesh.elements().len() {
+        let (a, b) = (
+            solution.element_irradiance(e).g,
+            truth.element_irradiance(e).g,
+        );
+        assert!(
+            (a - b).abs() < 1e-4 * b.max(1e-2),
+            "element {e}: {a} and {b}"
+        );
     }
 }
 

@@ -6,6 +6,7 @@ use hemicube::radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
 use hemicube::radiosity::form_factor::{
     MatrixOptions, Storage, Surfaces, SurfacesBy, ViewFactorMatrix,
 };
+use hemicube::radiosity::stop::NEVER;
 use hemicube::radiosity::{FormFactors, PatchMesh, PatchOptions, RayCast, RayCastOptions};
 use hemicube::scene::{Scene, builtin, open_bytes};
 use std::sync::Arc;
@@ -33,7 +34,7 @@ fn stored(storage: Storage) -> MatrixOptions {
 
 fn between(factors: &dyn FormFactors, by: SurfacesBy, storage: Storage) -> ViewFactorMatrix {
     let surfaces = Surfaces::new(factors.mesh(), by);
-    ViewFactorMatrix::build_by(factors, &surfaces, stored(storage)).expect("it fits")
+    ViewFactorMatrix::build_by(factors, &surfaces, stored(storage), NEVER).expect("it fits")
 }
 
 fn obj(text: &str) -> Scene {
@@ -198,7 +199,7 @@ fn too_large_a_matrix_is_refused_before_the_work() {
             memory_limit: 50,
             storage,
         };
-        let refused = ViewFactorMatrix::build_by(&factors, &surfaces, options)
+        let refused = ViewFactorMatrix::build_by(&factors, &surfaces, options, NEVER)
             .expect_err("25 numbers need more");
         let message = refused.to_string();
         assert!(

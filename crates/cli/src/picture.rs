@@ -6,7 +6,9 @@ use crate::output::Target;
 use crate::progress::Bar;
 use glam::Vec3;
 use hemicube::radiosity::Solution;
+use hemicube::raster::tonemap::Exposure;
 use hemicube::raster::triangle::Viewport;
+use hemicube::raster::{Image, Rgb};
 use hemicube::render::{RenderOptions, Renderer, choose_camera};
 use hemicube::scene::{Camera, Projection, Scene};
 use std::io::Cursor;
@@ -94,6 +96,31 @@ impl<'a> View<'a> {
                 .write_png(&mut file)?;
         }
         target.write(&file.into_inner())
+    }
+
+    /// What a display shows of a solution under a given exposure.
+    pub fn display(&self, solution: &Solution, exposure: Exposure) -> Result<Image<Rgb>, Failure> {
+        let renderer = Renderer::new(solution, &self.camera, &self.options)?;
+        Ok(renderer.display(exposure, self.args.tonemap.unwrap_or_default()))
+    }
+
+    /// The exposure that was asked for; an automatic one as it is for this solution, in stops.
+    pub fn exposure(&self, solution: &Solution) -> Result<Exposure, Failure> {
+        let wanted = self.args.exposure.unwrap_or_default();
+        let renderer = Renderer::new(solution, &self.camera, &self.options)?;
+        let factor = renderer.exposure_factor(wanted);
+        Ok(Exposure::Ev(factor.log2()))
+    }
+
+    /// The same view in other pixels, no more than fit in a square, unless a size was asked for.
+    pub fn within(mut self, side: u32) -> Self {
+        if self.args.size.is_none() {
+            let longer = self.options.width.max(self.options.height);
+            let scaled = |length: usize| (length * side as usize / longer).max(16);
+            let (width, height) = (scaled(self.options.width), scaled(self.options.height));
+            self.options = self.options.with_size(width, height);
+        }
+        self
     }
 
     /// Pixels.

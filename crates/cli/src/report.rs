@@ -2,6 +2,7 @@
 
 use crate::solving::{Solved, Stop, percent};
 use hemicube::radiosity::Solution;
+use hemicube::radiosity::form_factor::FormFactorKind;
 use hemicube::radiosity::solution::BANDS;
 use hemicube::scene::{ImportReport, Scene, Units};
 use serde::Serialize;
@@ -24,6 +25,7 @@ pub struct Report {
     solver: String,
     form_factors: String,
     rays_per_hemisphere: u32,
+    hemicube_resolution: u32,
     seed: u64,
     tolerance: f64,
     stopped: Stop,
@@ -124,6 +126,7 @@ impl Report {
             solver: provenance.solver.clone(),
             form_factors: provenance.form_factors.clone(),
             rays_per_hemisphere: provenance.rays_per_hemisphere,
+            hemicube_resolution: provenance.hemicube_resolution,
             seed: provenance.seed,
             tolerance: solved.options.tolerance,
             stopped: solved.stop,
@@ -153,7 +156,7 @@ impl Report {
             text,
             "scene     {} ({})
 mesh      {} elements, {} patches
-solved    {}, {} with {} rays, seed {}: {} steps, {} rays, {:.1} s; {end}
+solved    {}, {}, seed {}: {} steps, {} rays, {:.1} s; {end}
 unshot    {} of the emitted light
 energy    {:>14} {:>13} {:>13} {:>13} {:>9}
 ",
@@ -162,8 +165,11 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
             grouped(self.elements as u64),
             grouped(self.patches as u64),
             self.solver,
-            self.form_factors,
-            self.rays_per_hemisphere,
+            factors(
+                &self.form_factors,
+                self.rays_per_hemisphere,
+                self.hemicube_resolution
+            ),
             self.seed,
             grouped(self.steps),
             grouped(self.rays),
@@ -191,6 +197,16 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
             let _ = writeln!(text, "memory    {} MB at most", bytes.div_ceil(1 << 20));
         }
         text + &self.warnings.text()
+    }
+}
+
+/// The way to the form factors and how fine it was.
+pub fn factors(name: &str, rays: u32, resolution: u32) -> String {
+    let name = crate::failure::one_line(name);
+    if name == FormFactorKind::Hemicube.name() {
+        format!("{name} with {resolution} cells an edge")
+    } else {
+        format!("{name} with {rays} rays")
     }
 }
 

@@ -2,12 +2,14 @@
 
 use crate::args::SolveArgs;
 use crate::failure::Failure;
+use crate::history::History;
 use crate::interrupt;
 use crate::progress::Bar;
 use hemicube::radiosity::{self, Progress, Solution, SolveOptions};
 use hemicube::scene::Scene;
 use serde::Serialize;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Why the solver stopped.
@@ -33,6 +35,8 @@ pub struct Solved {
     pub options: SolveOptions,
     /// Why the solver stopped.
     pub stop: Stop,
+    /// The way there, if it was asked for.
+    pub history: Option<History>,
 }
 
 /// When to stop, and what to show until then.
@@ -41,6 +45,7 @@ pub struct Watch {
     start: Instant,
     limit: Option<Duration>,
     quiet: bool,
+    keeps_history: bool,
 }
 
 impl Watch {
@@ -50,22 +55,42 @@ impl Watch {
             start,
             limit: args.time,
             quiet,
+            keeps_history: false,
+        }
+    }
+
+    /// Whether the way to the solution is kept.
+    pub fn with_history(self, keeps_history: bool) -> Self {
+        Self {
+            keeps_history,
+            ..self
         }
     }
 
     /// Solves a scene from nothing.
     pub fn solve(&self, scene: Scene, options: SolveOptions) -> Result<Solved, Failure> {
-        self.work(0, options, |go_on| {
-            radiosity::solve(Arc::new(scene), &options, go_on)
+        self.work(0, options, |stop, go_on| {
+            radiosity::solve_until(Arc::new(scene), &options, stop, go_on)
         })
     }
 
     /// Goes on with a solution.
     pub fn resume(&self, solution: Solution, options: SolveOptions) -> Result<Solved, Failure> {
         let steps = solution.provenance.steps;
-        self.work(steps, options, |go_on| {
-            radiosity::resume(solution, &options, go_on)
+        self.work(steps, options, |stop, go_on| {
+            radiosity::resume_until(solution, &options, stop, go_on)
         })
+    }
+
+    /// Why the work should end now, if it should.
+    fn reason(&self) -> Option<Stop> {
+        if interrupt::asked() {
+            return Some(Stop::Interrupt);
+        }
+        let is_late = self
+            .limit
+            .is_some_and(|limit| self.start.elapsed() >= limit);
+        is_late.then_some(Stop::Time)
     }
 
     fn work(
@@ -73,19 +98,26 @@ impl Watch {
         steps_before: u64,
         options: SolveOptions,
         work: impl FnOnce(
+            radiosity::stop::Stop<'_>,
             &mut dyn FnMut(&Progress, &Solution) -> bool,
         ) -> Result<Solution, radiosity::RadiosityError>,
     ) -> Result<Solved, Failure> {
         let bar = Bar::new("solving", self.quiet);
-        let mut stop = Stop::Finished;
-        let mut first = None;
-        let solution = work(&mut |progress, _| {
-            let elapsed = self.start.elapsed();
-            if interrupt::asked() {
-                stop = Stop::Interrupt;
-            } else if self.limit.is_some_and(|limit| elapsed >= limit) {
-                stop = Stop::Time;
+        let has_begun = AtomicBool::new(false);
+        let stop = || {
+            if !has_begun.load(Ordering::Relaxed) {
+                bar.show(0.0, || String::from("getting ready"));
             }
+            self.reason().is_some()
+        };
+        let mut first = None;
+        let mut history = self.keeps_history.then(|| History::new(self.start));
+        let solution = work(&stop, &mut |progress, solution| {
+            has_begun.store(true, Ordering::Relaxed);
+            if let Some(history) = &mut history {
+                history.record(progress, solution);
+            }
+            let elapsed = self.start.elapsed();
             let first = *first.get_or_insert(progress.unshot);
             let steps = progress.iteration - steps_before;
             bar.show(
@@ -98,8 +130,28 @@ impl Watch {
                     )
                 },
             );
-            stop == Stop::Finished
-        })?;
+            self.reason().is_none()
+        })
+        .map_err(|error| self.failure(error))?;
+        let stop = self.why(&solution, steps_before, &options)?;
+        if let Some(history) = &mut history {
+            history.close(&solution);
+        }
+        Ok(Solved {
+            solution,
+            options,
+            stop,
+            history,
+        })
+    }
+
+    /// Why a solver has stopped.
+    fn why(
+        &self,
+        solution: &Solution,
+        steps_before: u64,
+        options: &SolveOptions,
+    ) -> Result<Stop, Failure> {
         let unshot = solution.unshot_fraction();
         if !unshot.is_finite() {
             let name = &solution.mesh().scene().name;
@@ -109,14 +161,22 @@ impl Watch {
         }
         let steps = solution.provenance.steps - steps_before;
         let limited = options.max_steps.is_some_and(|most| steps >= most);
-        if stop == Stop::Finished && limited && unshot > options.tolerance {
-            stop = Stop::Iterations;
-        }
-        Ok(Solved {
-            solution,
-            options,
-            stop,
+        Ok(match self.reason() {
+            _ if unshot <= options.tolerance => Stop::Finished,
+            _ if limited => Stop::Iterations,
+            reason => reason.unwrap_or(Stop::Finished),
         })
+    }
+
+    /// What to tell where there is no light to go on with.
+    fn failure(&self, error: radiosity::RadiosityError) -> Failure {
+        match (&error, self.reason()) {
+            (radiosity::RadiosityError::Stopped(_), Some(Stop::Interrupt)) => Failure::Interrupted,
+            (radiosity::RadiosityError::Stopped(when), _) => Failure::Failed(format!(
+                "--time: time was up {when}, before there was light to keep; allow more time, or ask for fewer --elements"
+            )),
+            _ => error.into(),
+        }
     }
 
     /// Share of the work that is done: what is unshot falls exponentially, and the first limit ends the work.

@@ -240,6 +240,143 @@ fn time_ends_it_with_a_file_to_go_on_from() {
     );
 }
 
+#[test]
+fn any_solver_goes_on_from_a_file_with_any_form_factors() {
+    let folder = Folder::new();
+    folder.done(&small(&[
+        "solve",
+        "cornell",
+        "-o",
+        "lit.glb",
+        "--iterations",
+        "5",
+    ]));
+    for (solver, method) in [
+        ("gauss-seidel", "raycast"),
+        ("southwell", "hemicube"),
+        ("conjugate-gradient", "hemicube"),
+        ("overshooting", "raycast"),
+    ] {
+        let report = folder.json(&[
+            "solve",
+            "--resume",
+            "lit.glb",
+            "-o",
+            "lit.glb",
+            "--solver",
+            solver,
+            "--form-factors",
+            method,
+            "--hemicube-resolution",
+            "64",
+            "--iterations",
+            "3",
+            "--tolerance",
+            "1e-6",
+        ]);
+        assert_eq!(report["solver"], solver, "the report says who");
+        assert_eq!(report["form_factors"], method, "and how");
+        for band in report["balance"].as_array().expect("bands") {
+            assert!(
+                band["relative_error"].as_f64() < Some(1e-5),
+                "{solver}: {band}"
+            );
+        }
+    }
+    // What is not said is as it was.
+    let report = folder.json(&[
+        "solve",
+        "--resume",
+        "lit.glb",
+        "--iterations",
+        "1",
+        "--tolerance",
+        "0",
+    ]);
+    assert_eq!(report["solver"], "overshooting", "the last solver");
+    assert_eq!(report["hemicube_resolution"], 64, "the resolution is kept");
+    let info = folder.json(&["info", "lit.glb"]);
+    assert_eq!(
+        info["solution"]["solver"], "overshooting",
+        "the file says who was last"
+    );
+}
+
+#[test]
+fn matrices_that_do_not_fit_are_refused_in_words() {
+    let folder = Folder::new();
+    for solver in ["gauss", "southwell", "jacobi"] {
+        let error = folder.fails(
+            1,
+            &[
+                "solve",
+                "cornell",
+                "--solver",
+                solver,
+                "--patches",
+                "3000",
+                "--matrix-memory",
+                "10",
+            ],
+        );
+        assert!(
+            error.contains("patches") && error.contains("10 MiB are allowed; use at most"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn time_also_holds_before_the_first_step() {
+    let folder = Folder::new();
+    let error = folder.fails(
+        1,
+        &[
+            "solve",
+            "office",
+            "--elements",
+            "400000",
+            "--time",
+            "50ms",
+            "-o",
+            "lit.glb",
+        ],
+    );
+    assert!(
+        error.contains("time was up while the mesh was built"),
+        "{error}"
+    );
+    assert!(folder.files().is_empty(), "nothing is written");
+    let start = std::time::Instant::now();
+    let output = folder.run(&[
+        "solve",
+        "two-rooms",
+        "--elements",
+        "20000",
+        "--patches",
+        "4000",
+        "--rays",
+        "4096",
+        "--solver",
+        "jacobi",
+        "--time",
+        "5s",
+        "-o",
+        "lit.glb",
+    ]);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        output.status.success() && errors.contains("time is up"),
+        "{errors}"
+    );
+    // Far from the minutes that all rows take; other tests run at the same time.
+    assert!(
+        start.elapsed().as_secs() < 30,
+        "it took {:?}",
+        start.elapsed()
+    );
+}
+
 #[cfg(unix)]
 #[test]
 fn first_interrupt_writes_what_was_reached() {

@@ -23,6 +23,9 @@ pub enum RadiosityError {
     /// A file holds no solution, or a damaged one.
     #[error("{0}")]
     File(String),
+    /// It was asked to stop before there was light to return.
+    #[error("stopped {0}, before there was light to keep")]
+    Stopped(&'static str),
     /// Light would grow without bound.
     #[error("{0}")]
     Divergent(String),

@@ -1,11 +1,18 @@
 //! A whole solution in one call: scene in, light out.
 
 use crate::error::RadiosityError;
-use crate::form_factor::{Cached, FormFactors, RayCast, RayCastOptions};
+use crate::form_factor::hemicube::HemicubeOptions;
+use crate::form_factor::{
+    AnalyticOptions, Cached, FormFactorKind, FormFactorOptions, FormFactors, MatrixOptions,
+    NusseltOptions, RayCastOptions,
+};
 use crate::patch::{PatchMesh, PatchOptions};
-use crate::primary::primary_irradiance;
+use crate::primary::primary_irradiance_until;
 use crate::solution::{Grouping, Provenance, Solution};
-use crate::solve::{Order, Progress, Shooting, run};
+use crate::solve::{
+    MatrixSolverKind, NotStarted, OnMatrix, Order, Progress, Shooting, Solver, run,
+};
+use crate::stop::{NEVER, Stop};
 use hemicube_scene::Scene;
 use std::sync::Arc;
 use std::time::Instant;
@@ -18,23 +25,41 @@ const ROW_BUDGET: usize = 256 << 20;
 pub struct SolveOptions {
     /// How fine the mesh is. Default value: about 4000 elements and 400 patches.
     pub mesh: PatchOptions,
+    /// Way to the form factors. Default value: rays.
+    pub form_factors: FormFactorKind,
+    /// Hemicubes, where they are the way.
+    pub hemicube: HemicubeOptions,
+    /// Wanted error of [`FormFactorKind::Analytic`]. Default value: 1e-4.
+    pub analytic: AnalyticOptions,
     /// Rays over each hemisphere. Default value: 256.
     pub rays: u32,
     /// Seed of all sampling. Default value: 0.
     pub seed: u64,
     /// Unshot share of the emitted flux at which the solution is finished. Default value: 5e-4.
     pub tolerance: f64,
-    /// Most shots. Default value: none.
+    /// Most steps: shots, or steps of a matrix method ([`OnMatrix`]). Default value: none.
     pub max_steps: Option<u64>,
     /// Way to the equilibrium. Default value: sorted shooting with the ambient term for display.
     pub solver: SolverKind,
     /// Which emitters share a channel. Default value: all.
     pub grouping: Grouping,
+    /// Most bytes that solvers on a matrix may take for it and what they make of it. Default value: 2 GiB.
+    pub memory_limit: usize,
 }
 
 /// Ways to the equilibrium, by their names on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SolverKind {
+    /// Elimination on the matrix of all form factors.
+    Gauss,
+    /// All patches gather at once, on the matrix.
+    Jacobi,
+    /// All patches gather one after the other, on the matrix.
+    GaussSeidel,
+    /// The patch with the largest residual flux is relaxed, on the matrix.
+    Southwell,
+    /// One patch gathers, on the matrix.
+    Gathering,
     /// Patches shoot in the order of the mesh.
     Shooting,
     /// The patch with most unshot flux shoots.
@@ -42,28 +67,66 @@ pub enum SolverKind {
     /// As sorted shooting; pictures of unfinished solutions add the ambient estimate.
     #[default]
     AmbientShooting,
+    /// As sorted shooting, but what a patch is expected to get back is counted in and shot ahead.
+    Overshooting,
+    /// Conjugate gradients on the matrix.
+    ConjugateGradient,
 }
 
 impl SolverKind {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Shooting, Self::SortedShooting, Self::AmbientShooting];
+    pub const ALL: [Self; 10] = [
+        Self::Gauss,
+        Self::Jacobi,
+        Self::GaussSeidel,
+        Self::Southwell,
+        Self::Gathering,
+        Self::Shooting,
+        Self::SortedShooting,
+        Self::AmbientShooting,
+        Self::Overshooting,
+        Self::ConjugateGradient,
+    ];
 
     /// Name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Gauss => "gauss",
+            Self::Jacobi => "jacobi",
+            Self::GaussSeidel => "gauss-seidel",
+            Self::Southwell => "southwell",
+            Self::Gathering => "gathering",
             Self::Shooting => "shooting",
             Self::SortedShooting => "sorted-shooting",
             Self::AmbientShooting => "ambient-shooting",
+            Self::Overshooting => "overshooting",
+            Self::ConjugateGradient => "conjugate-gradient",
         }
     }
 
-    fn order(self) -> Order {
-        if self == Self::Shooting {
-            Order::Cyclic
-        } else {
-            Order::Sorted
+    /// What does the work.
+    pub fn way(self) -> Way {
+        match self {
+            Self::Gauss => Way::OnMatrix(MatrixSolverKind::Gauss),
+            Self::Jacobi => Way::OnMatrix(MatrixSolverKind::Jacobi),
+            Self::GaussSeidel => Way::OnMatrix(MatrixSolverKind::GaussSeidel),
+            Self::Southwell => Way::OnMatrix(MatrixSolverKind::Southwell),
+            Self::Gathering => Way::OnMatrix(MatrixSolverKind::Gathering),
+            Self::ConjugateGradient => Way::OnMatrix(MatrixSolverKind::ConjugateGradient),
+            Self::Shooting => Way::Shooting(Order::Cyclic),
+            Self::SortedShooting | Self::AmbientShooting => Way::Shooting(Order::Sorted),
+            Self::Overshooting => Way::Shooting(Order::Overshooting),
         }
     }
+}
+
+/// What a way to the equilibrium needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Way {
+    /// Rows on demand.
+    Shooting(Order),
+    /// All form factors between patches: `4 n²` bytes or more.
+    OnMatrix(MatrixSolverKind),
 }
 
 /// Presets for people who want no other knob.
@@ -103,12 +166,16 @@ impl From<Quality> for SolveOptions {
             mesh: PatchOptions::default()
                 .with_elements(elements)
                 .with_patches(patches),
+            form_factors: FormFactorKind::default(),
+            hemicube: HemicubeOptions::default(),
+            analytic: AnalyticOptions::default().with_error(1e-4),
             rays,
             seed: 0,
             tolerance,
             max_steps: None,
             solver: SolverKind::default(),
             grouping: Grouping::Together,
+            memory_limit: MatrixOptions::default().memory_limit,
         }
     }
 }
@@ -134,9 +201,28 @@ impl SolveOptions {
         }
         Ok(())
     }
+
+    /// What the ways to form factors are told.
+    pub fn form_factor_options(&self) -> FormFactorOptions {
+        FormFactorOptions {
+            raycast: RayCastOptions {
+                rays: self.rays,
+                seed: self.seed,
+                ..RayCastOptions::default()
+            },
+            analytic: AnalyticOptions {
+                seed: self.seed,
+                ..self.analytic
+            },
+            hemicube: self.hemicube,
+            nusselt: NusseltOptions::default().with_rays(self.rays),
+            ..FormFactorOptions::default()
+        }
+    }
 }
 
-/// Solves a scene. `go_on` is asked before every step and may end the work early; the light so far is returned.
+/// Solves a scene. `go_on` is asked before every step and may end the work early; the light so far is returned. It is
+/// also told the last state.
 ///
 /// # Errors
 /// A scene that cannot be used or gives no light, an option out of its range, a scene whose light would never die.
@@ -145,60 +231,124 @@ pub fn solve(
     options: &SolveOptions,
     go_on: impl FnMut(&Progress, &Solution) -> bool,
 ) -> Result<Solution, RadiosityError> {
+    solve_until(scene, options, NEVER, go_on)
+}
+
+/// As [`solve`]; `stop` is also asked while the mesh is built, first light falls and matrices are computed.
+///
+/// # Errors
+/// As [`solve`], or [`RadiosityError::Stopped`] before there is a solution.
+pub fn solve_until(
+    scene: Arc<Scene>,
+    options: &SolveOptions,
+    stop: Stop<'_>,
+    go_on: impl FnMut(&Progress, &Solution) -> bool,
+) -> Result<Solution, RadiosityError> {
+    let solution = unlit(scene, options, stop)?;
+    resume_until(solution, options, stop, go_on)
+}
+
+/// Light before the first step: the mesh, its emitters, and what lights and sky bring directly.
+///
+/// # Errors
+/// As [`solve_until`].
+pub fn unlit(
+    scene: Arc<Scene>,
+    options: &SolveOptions,
+    stop: Stop<'_>,
+) -> Result<Solution, RadiosityError> {
     let start = Instant::now();
     options.check()?;
     scene.check()?;
     if !scene.has_light() {
         return Err(RadiosityError::NoLight(scene.name.clone()));
     }
-    let mesh = Arc::new(PatchMesh::build(scene, options.mesh)?);
+    let mesh = Arc::new(PatchMesh::build_until(scene, options.mesh, stop)?);
     refuse_endless_light(&mesh)?;
-    let primary = primary_irradiance(&mesh, options.rays, options.seed);
     refuse_too_many_channels(&mesh, options.grouping)?;
+    let primary = primary_irradiance_until(&mesh, options.rays, options.seed, stop)?;
     let mut solution = Solution::new(mesh, &primary, options.grouping);
     solution.provenance.seconds = start.elapsed().as_secs_f64();
-    resume(solution, options, go_on)
+    Ok(solution)
 }
 
-/// Goes on with a solution. The mesh is the solution's; of the options those of the work apply.
+/// Goes on with a solution, whatever made it. The mesh is the solution's; of the options those of the work apply.
 ///
 /// # Errors
-/// An option out of its range.
+/// An option out of its range, a matrix that takes more memory than allowed.
 pub fn resume(
+    solution: Solution,
+    options: &SolveOptions,
+    go_on: impl FnMut(&Progress, &Solution) -> bool,
+) -> Result<Solution, RadiosityError> {
+    resume_until(solution, options, NEVER, go_on)
+}
+
+/// As [`resume`]; `stop` is also asked while matrices are computed. What has been reached is returned.
+///
+/// # Errors
+/// As [`resume`].
+pub fn resume_until(
     mut solution: Solution,
     options: &SolveOptions,
+    stop: Stop<'_>,
     mut go_on: impl FnMut(&Progress, &Solution) -> bool,
 ) -> Result<Solution, RadiosityError> {
     let start = Instant::now();
     options.check()?;
     let before = solution.provenance.clone();
     solution.provenance.solver = options.solver.name().into();
-    let ray_options = RayCastOptions {
-        rays: options.rays,
-        seed: options.seed,
-        ..RayCastOptions::default()
-    };
-    let factors = Cached::new(
-        RayCast::new(solution.mesh().clone(), ray_options),
-        ROW_BUDGET,
-    );
-    let mut solver = Shooting::new(&factors, solution, options.solver.order());
+    let factors = options
+        .form_factors
+        .build(solution.mesh().clone(), &options.form_factor_options())?;
     let most = options
         .max_steps
         .map(|steps| before.steps.saturating_add(steps));
-    run(&mut solver, options.tolerance, |progress, solution| {
-        most.is_none_or(|most| progress.iteration < most) && go_on(progress, solution)
-    });
-    let mut solution = crate::solve::Solver::into_solution(solver);
+    let go_on = |progress: &Progress, solution: &Solution| {
+        // It is told every state, also one at which a limit ends the work.
+        go_on(progress, solution) && most.is_none_or(|most| progress.iteration < most) && !stop()
+    };
+    let (mut solution, rays) = match options.solver.way() {
+        Way::Shooting(order) => {
+            let factors = Cached::new(factors, ROW_BUDGET);
+            let solver = Shooting::new(&factors, solution, order);
+            (finished(solver, options.tolerance, go_on), factors.rays())
+        }
+        Way::OnMatrix(kind) => {
+            // Rows are asked for again at the end of each sweep.
+            let factors = Cached::new(factors, ROW_BUDGET.max(options.memory_limit / 4));
+            let matrix = MatrixOptions {
+                memory_limit: options.memory_limit,
+                ..MatrixOptions::default()
+            };
+            let solution = match OnMatrix::new_until(&factors, solution, kind, matrix, stop) {
+                Ok(solver) => finished(solver, options.tolerance, go_on),
+                Err(NotStarted::Stopped(solution)) => *solution,
+                Err(NotStarted::Failed(error)) => return Err(error),
+            };
+            (solution, factors.rays())
+        }
+    };
     solution.provenance = Provenance {
-        form_factors: String::from("raycast"),
+        form_factors: options.form_factors.name().into(),
         rays_per_hemisphere: options.rays,
+        hemicube_resolution: options.hemicube.resolution,
         seed: options.seed,
-        rays: before.rays + factors.rays(),
+        rays: before.rays + rays,
         seconds: before.seconds + start.elapsed().as_secs_f64(),
         ..solution.provenance
     };
     Ok(solution)
+}
+
+/// Steps to the end and takes the light out.
+fn finished(
+    mut solver: impl Solver,
+    tolerance: f64,
+    go_on: impl FnMut(&Progress, &Solution) -> bool,
+) -> Solution {
+    run(&mut solver, tolerance, go_on);
+    solver.into_solution()
 }
 
 /// Refuses more values than memory holds: each group takes nine numbers an element.

@@ -20,8 +20,8 @@
 //! Rows of form factors come from closed forms and exact shadows ([`Analytic`](form_factor::Analytic)), rays
 //! ([`RayCast`], which [`solve()`] uses by default), item buffers ([`form_factor::hemicube`], of three shapes), rays
 //! through equal cells ([`form_factor::hemisphere`]) or exact factors of points ([`form_factor::nusselt_rows`]);
-//! [`form_factor::estimate`] gives single factors with their standard errors. [`Shooting`] needs no matrix;
-//! [`solve::on_matrix`] runs the others on a [`form_factor::matrix`]; [`form_factor::surfaces`] sums one over faces or
+//! [`form_factor::estimate`] gives single factors with their standard errors. [`Shooting`] and overshooting
+//! need no matrix; [`solve::on_matrix`] runs the others on a [`form_factor::matrix`]; [`form_factor::surfaces`] sums one over faces or
 //! objects, [`export::view_factors`] writes it for thermal models. Radiosity is constant on an element.
 //! Coordinates are f32: a scene more than a hundred times its size away from the origin loses percents. Light that is
 //! not emitted by surfaces (sun, points) does not get more rays for its first reflection than other reflected light.
@@ -29,6 +29,7 @@
 #![forbid(unsafe_code)]
 
 mod band_sum;
+pub mod compare;
 pub mod drawn;
 mod error;
 pub mod export;
@@ -40,13 +41,16 @@ pub mod primary;
 pub mod sampling;
 pub mod solution;
 pub mod solve;
+pub mod stop;
 pub mod visibility;
 
 pub use drawn::DrawnMesh;
 pub use error::RadiosityError;
 pub use form_factor::{FormFactors, RayCast, RayCastOptions, Row};
 pub use gather::{GatherOptions, Gatherer};
-pub use job::{Quality, SolveOptions, SolverKind, resume, solve};
+pub use job::{
+    Quality, SolveOptions, SolverKind, Way, resume, resume_until, solve, solve_until, unlit,
+};
 pub use patch::{NodeId, PatchMesh, PatchOptions};
 pub use solution::{EnergyBalance, Grouping, Solution};
 pub use solve::{Order, Progress, Shooting, Solver};

@@ -1,9 +1,11 @@
 //! Light that no surface emits: points, spots, the sun and the sky, with visibility.
 
 use crate::band_sum::BandSum;
+use crate::error::RadiosityError;
 use crate::patch::PatchMesh;
 use crate::patch::exposure::ExposedArea;
 use crate::sampling::{cosine_direction, hash, point2, point4};
+use crate::stop::{NEVER, Stop};
 use crate::visibility::Visibility;
 use core::f32::consts::PI;
 use glam::Vec3;
@@ -21,40 +23,57 @@ const MANY_LIGHTS: usize = 64;
 /// Each light takes eight shadow rays an element, two if there are more than 64 lights; the sky takes `sky_rays` over the hemisphere. What
 /// panes let through is in it.
 pub fn primary_irradiance(mesh: &PatchMesh, sky_rays: u32, seed: u64) -> Vec<Rgb> {
+    primary_irradiance_until(mesh, sky_rays, seed, NEVER).expect("nobody stops it")
+}
+
+/// As [`primary_irradiance`], unless it is stopped.
+///
+/// # Errors
+/// [`RadiosityError::Stopped`].
+pub fn primary_irradiance_until(
+    mesh: &PatchMesh,
+    sky_rays: u32,
+    seed: u64,
+    stop: Stop<'_>,
+) -> Result<Vec<Rgb>, RadiosityError> {
     let visibility = mesh.visibility();
     let scene = mesh.scene();
     if scene.lights.is_empty() && scene.sky.is_black() {
-        return vec![Rgb::BLACK; mesh.elements().len()];
+        return Ok(vec![Rgb::BLACK; mesh.elements().len()]);
     }
-    mesh.elements()
-        .par_iter()
-        .enumerate()
-        .map(|(e, &id)| {
-            let area = mesh.exposed(e);
-            let normal = mesh.node(id).normal;
-            let seed = hash(u64::from(id.0), seed);
-            let rays = if scene.lights.len() > MANY_LIGHTS {
-                2
-            } else {
-                SHADOW_RAYS
-            };
-            let lights = scene
-                .lights
-                .iter()
-                .map(|light| light_on_element(visibility, &light.kind, &area, normal, rays, seed));
-            let mut irradiance: Rgb = lights.sum();
-            if !scene.sky.is_black() {
-                let rays = sky_rays.max(1);
-                let mut open = BandSum::default();
-                for i in 0..rays {
-                    let [u, v, s, t] = point4(i, seed);
-                    open.add(sky_share(visibility, area.point([u, v]), normal, [s, t]));
+    let irradiance: Option<Vec<Rgb>> =
+        mesh.elements()
+            .par_iter()
+            .enumerate()
+            .map(|(e, &id)| {
+                if stop() {
+                    return None;
                 }
-                irradiance += scene.sky * open.mean(rays) * PI;
-            }
-            irradiance
-        })
-        .collect()
+                let area = mesh.exposed(e);
+                let normal = mesh.node(id).normal;
+                let seed = hash(u64::from(id.0), seed);
+                let rays = if scene.lights.len() > MANY_LIGHTS {
+                    2
+                } else {
+                    SHADOW_RAYS
+                };
+                let lights = scene.lights.iter().map(|light| {
+                    light_on_element(visibility, &light.kind, &area, normal, rays, seed)
+                });
+                let mut irradiance: Rgb = lights.sum();
+                if !scene.sky.is_black() {
+                    let rays = sky_rays.max(1);
+                    let mut open = BandSum::default();
+                    for i in 0..rays {
+                        let [u, v, s, t] = point4(i, seed);
+                        open.add(sky_share(visibility, area.point([u, v]), normal, [s, t]));
+                    }
+                    irradiance += scene.sky * open.mean(rays) * PI;
+                }
+                Some(irradiance)
+            })
+            .collect();
+    irradiance.ok_or(RadiosityError::Stopped("while first light fell"))
 }
 
 /// Mean irradiance of an element from one light, with visibility.

@@ -42,9 +42,11 @@ pub struct Provenance {
     pub form_factors: String,
     /// Rays for each hemisphere.
     pub rays_per_hemisphere: u32,
+    /// Cells along an edge of hemicubes, where they are the way to the form factors.
+    pub hemicube_resolution: u32,
     /// Seed of the sampling sequences.
     pub seed: u64,
-    /// Shots so far.
+    /// Steps so far: shots, or steps of a matrix method.
     pub steps: u64,
     /// Rays cast so far.
     pub rays: u64,

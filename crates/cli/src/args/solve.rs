@@ -2,14 +2,30 @@
 
 use super::parse;
 use clap::Args;
+use hemicube::radiosity::form_factor::FormFactorKind;
 use hemicube::radiosity::solution::Provenance;
 use hemicube::radiosity::{Quality, SolveOptions, SolverKind};
 use std::time::Duration;
 
-/// Options of the mesh and the solver; each given one overrides the preset of `--quality`.
+const SOLVER_HELP: &str = "\
+Way to the equilibrium [default: ambient-shooting]
+
+Shooting needs no matrix, and what it has reached can be drawn at any time:
+  shooting            patches shoot in the order of the mesh
+  sorted-shooting     the patch with most unshot light shoots
+  ambient-shooting    the same; pictures of unfinished solutions add an estimate of the light to come
+  overshooting        a patch shoots also what it is expected to get back
+On the matrix of all form factors (4 bytes times patches squared, and as much again for southwell; gauss takes 8 for each \
+channel):
+  gauss               elimination; nothing to be seen before its end
+  jacobi, gauss-seidel, gathering    patches gather: all at once, one after the other, one a step
+  southwell           the patch with the largest residual first
+  conjugate-gradient  descent; fewest steps in bright rooms";
+
+/// Options of the mesh and the form factors; each given one overrides the preset of `--quality`.
 #[derive(Debug, Clone, Default, Args)]
-#[command(next_help_heading = "Solving")]
-pub struct SolveArgs {
+#[command(next_help_heading = "Mesh and form factors")]
+pub struct MeshArgs {
     /// Preset of mesh, rays and tolerance: about 1000, 4000 or 30,000 elements [default: normal]
     #[arg(long, value_parser = parse::choice(&Quality::ALL, Quality::name))]
     pub quality: Option<Quality>,
@@ -26,29 +42,43 @@ pub struct SolveArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = clap::value_parser!(u32).range(1..))]
     pub patches: Option<u32>,
     /// Way to the form factors [default: raycast]
-    #[arg(long, value_name = "METHOD", value_parser = ["raycast"])]
-    pub form_factors: Option<String>,
+    #[arg(long, value_name = "METHOD", value_parser = parse::choice(&FormFactorKind::ALL, FormFactorKind::name))]
+    pub form_factors: Option<FormFactorKind>,
+    /// Cells along an edge of --form-factors hemicube, even, 16 to 4096 [default: 256]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    pub hemicube_resolution: Option<u32>,
     /// Rays over each hemisphere [default: 256]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub rays: Option<u32>,
-    /// Way to the equilibrium; ambient-shooting brightens pictures of unfinished solutions [default: ambient-shooting]
-    #[arg(long, value_parser = parse::choice(&SolverKind::ALL, SolverKind::name))]
-    pub solver: Option<SolverKind>,
-    /// Finished when this share of the emitted light has not been shot yet [default: 5e-4]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = parse::tolerance)]
-    pub tolerance: Option<f64>,
-    /// At most so many steps (shots) [default: no limit]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub iterations: Option<u64>,
-    /// Stop after this time since the program's start: 30s, 2m, 1h [default: no limit]
-    #[arg(long, value_name = "TIME", value_parser = parse::duration)]
-    pub time: Option<Duration>,
     /// Seed of all sampling [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub seed: Option<u64>,
 }
 
-impl SolveArgs {
+/// Options of the mesh and the solver; each given one overrides the preset of `--quality`.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Solving")]
+pub struct SolveArgs {
+    #[command(flatten)]
+    pub mesh: MeshArgs,
+    /// Way to the equilibrium [default: ambient-shooting]
+    #[arg(long, long_help = SOLVER_HELP, value_name = "SOLVER", value_parser = parse::choice(&SolverKind::ALL, SolverKind::name))]
+    pub solver: Option<SolverKind>,
+    /// Finished when this share of the emitted light has not been shot yet [default: 5e-4]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = parse::tolerance)]
+    pub tolerance: Option<f64>,
+    /// At most so many steps (shots; sweeps, patches or blocks of columns on a matrix) [default: no limit]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub iterations: Option<u64>,
+    /// Stop after this time since the program's start: 30s, 2m, 1h [default: no limit]
+    #[arg(long, value_name = "TIME", value_parser = parse::duration)]
+    pub time: Option<Duration>,
+    /// Most memory in MiB for the matrix of solvers that work on one [default: 2048]
+    #[arg(long, value_name = "MIB", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    pub matrix_memory: Option<u32>,
+}
+
+impl MeshArgs {
     /// Options for a scene that is solved afresh.
     pub fn options(&self) -> SolveOptions {
         let mut options = SolveOptions::from(self.quality.unwrap_or_default());
@@ -72,31 +102,17 @@ impl SolveArgs {
             Some(count) => Some(count as usize),
             None => (self.element_size.is_none() && keeps_preset).then_some(preset),
         };
-        self.override_work(&mut options);
+        self.override_factors(&mut options);
         options
     }
 
-    /// Options for going on with a solution: what is not given is as before.
-    pub fn options_to_resume(&self, before: &Provenance) -> SolveOptions {
-        let mut options = SolveOptions::from(self.quality.unwrap_or_default());
-        if self.quality.is_none() && before.rays_per_hemisphere > 0 {
-            options.rays = before.rays_per_hemisphere;
+    fn override_factors(&self, options: &mut SolveOptions) {
+        options.form_factors = self.form_factors.unwrap_or(options.form_factors);
+        if let Some(resolution) = self.hemicube_resolution {
+            options.hemicube.resolution = resolution;
         }
-        options.seed = before.seed;
-        let known = SolverKind::ALL
-            .into_iter()
-            .find(|kind| kind.name() == before.solver);
-        options.solver = known.unwrap_or_default();
-        self.override_work(&mut options);
-        options
-    }
-
-    fn override_work(&self, options: &mut SolveOptions) {
         options.rays = self.rays.unwrap_or(options.rays);
         options.seed = self.seed.unwrap_or(options.seed);
-        options.tolerance = self.tolerance.unwrap_or(options.tolerance);
-        options.solver = self.solver.unwrap_or(options.solver);
-        options.max_steps = self.iterations;
     }
 
     /// Names of the mesh's options that were given.
@@ -109,14 +125,63 @@ impl SolveArgs {
         ])
     }
 
-    /// Names of the options that were given and that a finished solution does not follow any more; the seed goes on
-    /// to be used for gathering.
-    pub fn given(&self) -> Vec<&'static str> {
+    /// Names of the options that were given, but for the seed, which is also used for gathering.
+    fn given(&self) -> Vec<&'static str> {
         let mut all = self.mesh_given();
         all.extend(names([
             (self.quality.is_some(), "--quality"),
             (self.form_factors.is_some(), "--form-factors"),
+            (self.hemicube_resolution.is_some(), "--hemicube-resolution"),
             (self.rays.is_some(), "--rays"),
+        ]));
+        all
+    }
+}
+
+impl SolveArgs {
+    /// Options for a scene that is solved afresh.
+    pub fn options(&self) -> SolveOptions {
+        let mut options = self.mesh.options();
+        self.override_work(&mut options);
+        options
+    }
+
+    /// Options for going on with a solution: what is not given is as before.
+    pub fn options_to_resume(&self, before: &Provenance) -> SolveOptions {
+        let mut options = SolveOptions::from(self.mesh.quality.unwrap_or_default());
+        if self.mesh.quality.is_none() && before.rays_per_hemisphere > 0 {
+            options.rays = before.rays_per_hemisphere;
+        }
+        options.seed = before.seed;
+        if before.hemicube_resolution > 0 {
+            options.hemicube.resolution = before.hemicube_resolution;
+        }
+        let mut ways = FormFactorKind::ALL.into_iter();
+        let known = ways.find(|kind| kind.name() == before.form_factors);
+        options.form_factors = known.unwrap_or_default();
+        let mut solvers = SolverKind::ALL.into_iter();
+        let known = solvers.find(|kind| kind.name() == before.solver);
+        options.solver = known.unwrap_or_default();
+        self.mesh.override_factors(&mut options);
+        self.override_work(&mut options);
+        options
+    }
+
+    fn override_work(&self, options: &mut SolveOptions) {
+        options.tolerance = self.tolerance.unwrap_or(options.tolerance);
+        options.solver = self.solver.unwrap_or(options.solver);
+        options.max_steps = self.iterations;
+        if let Some(mib) = self.matrix_memory {
+            options.memory_limit = mib as usize * (1 << 20);
+        }
+    }
+
+    /// Names of the options that were given and that a finished solution does not follow any more; the seed goes on
+    /// to be used for gathering.
+    pub fn given(&self) -> Vec<&'static str> {
+        let mut all = self.mesh.given();
+        all.extend(names([
+            (self.matrix_memory.is_some(), "--matrix-memory"),
             (self.solver.is_some(), "--solver"),
             (self.tolerance.is_some(), "--tolerance"),
             (self.iterations.is_some(), "--iterations"),

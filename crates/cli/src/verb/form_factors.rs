@@ -9,11 +9,11 @@ use crate::output::{Target, print, print_json};
 use crate::progress::Bar;
 use crate::report::{Warnings, free_memory, grouped, peak_memory};
 use crate::solving::percent;
+use hemicube::radiosity::PatchMesh;
 use hemicube::radiosity::export::view_factors::{self, View3dFacts};
 use hemicube::radiosity::form_factor::{
     FormFactorKind, MatrixOptions, Surfaces, SurfacesBy, ViewFactorMatrix,
 };
-use hemicube::radiosity::{FormFactors, NodeId, PatchMesh, Row};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -84,6 +84,7 @@ struct Computed {
     method: FormFactorKind,
     rays_per_hemisphere: u32,
     seed: u64,
+    error: f64,
     rays: u64,
     corrected: bool,
     seconds: f64,
@@ -112,13 +113,15 @@ impl Computed {
         }
         let error = asked.and_then(|asked| asked.error);
         let (kind, options) = (factors.kind(), factors.options(error));
-        let watched = Watched {
-            factors: kind.build(mesh.clone(), &options)?,
-            bar: Bar::new("factors", global.quiet),
+        let way = kind.build(mesh.clone(), &options)?;
+        let bar = Bar::new("factors", global.quiet);
+        let stop = || {
+            bar.count(mesh.patches().len());
+            interrupt::asked()
         };
         let corrected = factors.enclosure || asked.is_some_and(|asked| asked.enclosure);
-        let matrix = ViewFactorMatrix::build_by(&watched, &surfaces, memory(corrected))?;
-        watched.bar.finish();
+        let matrix = ViewFactorMatrix::build_by(&*way, &surfaces, memory(corrected), &stop)?;
+        bar.finish();
         if interrupt::asked() {
             return Err(Failure::Interrupted);
         }
@@ -128,13 +131,14 @@ impl Computed {
             } else {
                 matrix
             },
-            rays: watched.factors.rays(),
+            rays: way.rays(),
             mesh,
             surfaces,
             by,
             method: kind,
             rays_per_hemisphere: options.raycast.rays,
             seed: options.raycast.seed,
+            error: options.analytic.error,
             corrected,
             seconds: start.elapsed().as_secs_f64(),
         })
@@ -207,6 +211,7 @@ impl Computed {
                 self.seed,
                 grouped(self.rays)
             ),
+            FormFactorKind::Analytic => format!("analytic, error {:.0e}", self.error),
             method => method.name().to_owned(),
         }
     }
@@ -309,6 +314,7 @@ sky       {} of all, at most {} of '{}'
             "by": self.by.name(),
             "method": self.method.name(),
             "rays_per_hemisphere": (self.method == FormFactorKind::RayCast).then_some(self.rays_per_hemisphere),
+            "error": (self.method == FormFactorKind::Analytic).then_some(self.error),
             "seed": self.seed,
             "rays": self.rays,
             "elements": self.mesh.elements().len(),
@@ -427,29 +433,4 @@ fn memory(corrected: bool) -> MatrixOptions {
         options.memory_limit = usize::try_from(bytes).unwrap_or(usize::MAX);
     }
     options
-}
-
-/// Form factors under a progress bar; after Ctrl-C rows stay empty, and nobody uses them.
-struct Watched {
-    factors: Box<dyn FormFactors>,
-    bar: Bar,
-}
-
-impl FormFactors for Watched {
-    fn mesh(&self) -> &Arc<PatchMesh> {
-        self.factors.mesh()
-    }
-
-    fn fill_row(&self, source: NodeId, row: &mut Row) {
-        if interrupt::asked() {
-            row.clear(1);
-            return;
-        }
-        self.factors.fill_row(source, row);
-        self.bar.count(self.mesh().patches().len());
-    }
-
-    fn rays(&self) -> u64 {
-        self.factors.rays()
-    }
 }

@@ -51,7 +51,7 @@ fn measure(
     let defaults = GatherOptions::default();
     let options = GatherOptions {
         rays: args.gather_rays.unwrap_or(defaults.rays),
-        seed: args.solve.seed.unwrap_or(solution.provenance.seed),
+        seed: args.solve.mesh.seed.unwrap_or(solution.provenance.seed),
     };
     let gatherer = Gatherer::new(solution, options);
     let units = solution.mesh().scene().units;

@@ -3,6 +3,7 @@
 use super::note;
 use crate::args::{GlobalArgs, SolveVerb};
 use crate::failure::Failure;
+use crate::history;
 use crate::input::Input;
 use crate::interrupt;
 use crate::output::{Target, print, print_json};
@@ -45,7 +46,8 @@ pub fn run(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<(), F
 }
 
 fn solve(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<Solved, Failure> {
-    let watch = Watch::new(&args.solve, global.quiet, start);
+    let watch =
+        Watch::new(&args.solve, global.quiet, start).with_history(args.convergence.is_some());
     let Some(lit) = &args.resume else {
         let path = args
             .scene
@@ -101,7 +103,7 @@ fn refuse_changes(args: &SolveVerb, lit: &Path) -> Result<(), Failure> {
         .scene_options
         .given()
         .into_iter()
-        .chain(args.solve.mesh_given())
+        .chain(args.solve.mesh.mesh_given())
         .collect();
     if given.is_empty() {
         Ok(())
@@ -139,6 +141,7 @@ fn tell_how_it_ended(args: &SolveVerb, solved: &Solved, global: GlobalArgs) {
 struct Targets {
     lit: Option<Target>,
     image: Option<Target>,
+    convergence: Option<Target>,
 }
 
 impl Targets {
@@ -152,6 +155,11 @@ impl Targets {
             .image
             .as_deref()
             .map(|path| Target::check(path, picture::ENDINGS))
+            .transpose()?;
+        let convergence = args
+            .convergence
+            .as_deref()
+            .map(|path| Target::check(path, history::ENDINGS))
             .transpose()?;
         let view = args.picture.view_given();
         if image.is_none() && !view.is_empty() {
@@ -167,7 +175,11 @@ impl Targets {
                 tones.join(", ")
             )));
         }
-        Ok(Self { lit, image })
+        Ok(Self {
+            lit,
+            image,
+            convergence,
+        })
     }
 
     fn write(
@@ -190,11 +202,14 @@ impl Targets {
         if let Some(target) = &self.image {
             picture::View::new(solution, &args.picture)?.draw(solution, target, global)?;
         }
+        if let (Some(target), Some(history)) = (&self.convergence, &solved.history) {
+            history.write(solution, target)?;
+        }
         Ok(())
     }
 
     fn names(&self) -> Vec<String> {
-        [&self.lit, &self.image]
+        [&self.lit, &self.image, &self.convergence]
             .into_iter()
             .flatten()
             .map(|t| t.path.display().to_string())

@@ -1,7 +1,9 @@
 //! Rows kept in memory for solvers that ask for them again.
 
+use crate::form_factor::matrix::DenseRows;
 use crate::form_factor::{FormFactors, Row};
 use crate::patch::{NodeId, PatchMesh};
+use crate::stop::Stop;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
@@ -50,6 +52,10 @@ impl<F: FormFactors> FormFactors for Cached<F> {
         } else {
             self.used.fetch_sub(bytes, Ordering::Relaxed);
         }
+    }
+
+    fn dense_rows(&self, stop: Stop<'_>) -> Option<DenseRows> {
+        self.inner.dense_rows(stop)
     }
 
     fn rays(&self) -> u64 {

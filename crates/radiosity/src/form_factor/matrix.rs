@@ -5,6 +5,8 @@ mod summed;
 use crate::error::RadiosityError;
 use crate::form_factor::{FormFactors, Row};
 use crate::patch::{NodeKind, PatchMesh};
+use crate::solve::system::fitting;
+use crate::stop::{NEVER, Stop};
 use rayon::prelude::*;
 
 /// Share of non-zero entries below which a matrix is stored sparsely.
@@ -121,43 +123,63 @@ impl Entries {
 
     /// Product of a row with a vector.
     pub fn dot(&self, row: usize, vector: &[f64]) -> f64 {
+        self.dots(row, [vector])[0]
+    }
+
+    /// Products of a row with several vectors, in one pass over the row; each is the same as alone, bit for bit.
+    pub fn dots<const K: usize>(&self, row: usize, vectors: [&[f64]; K]) -> [f64; K] {
         if self.is_sparse {
-            let products = self.row(row);
-            return products.map(|(j, f)| f64::from(f) * vector[j]).sum();
+            let mut sums = [0.0; K];
+            for (j, f) in self.row(row) {
+                for (sum, vector) in sums.iter_mut().zip(vectors) {
+                    *sum += f64::from(f) * vector[j];
+                }
+            }
+            return sums;
         }
         // Eight sums at once: one alone waits for each addition before it starts the next.
         const LANES: usize = 8;
         let values = &self.values[row * self.size..(row + 1) * self.size];
         let (values, last_values) = values.as_chunks::<LANES>();
-        let (vector, last_vector) = vector[..self.size].as_chunks::<LANES>();
-        let mut sums = [0.0; LANES];
-        for (f, x) in values.iter().zip(vector) {
-            for lane in 0..LANES {
-                sums[lane] += f64::from(f[lane]) * x[lane];
+        let vectors = vectors.map(|vector| vector[..self.size].as_chunks::<LANES>());
+        let mut sums = [[0.0; LANES]; K];
+        for (block, f) in values.iter().enumerate() {
+            for (sums, (vector, _)) in sums.iter_mut().zip(&vectors) {
+                let x = &vector[block];
+                for lane in 0..LANES {
+                    sums[lane] += f64::from(f[lane]) * x[lane];
+                }
             }
         }
-        let rest = last_values.iter().zip(last_vector);
-        sums.iter().sum::<f64>() + rest.map(|(&f, x)| f64::from(f) * x).sum::<f64>()
+        core::array::from_fn(|k| {
+            let rest = last_values.iter().zip(vectors[k].1);
+            sums[k].iter().sum::<f64>() + rest.map(|(&f, x)| f64::from(f) * x).sum::<f64>()
+        })
     }
 
     /// Each entry after `change(row, column, entry)`.
     fn map(&self, change: impl Fn(usize, usize, f32) -> f32 + Sync) -> Self {
         let mut mapped = self.clone();
+        mapped.change(change);
+        mapped
+    }
+
+    /// Each entry becomes `change(row, column, entry)`.
+    fn change(&mut self, change: impl Fn(usize, usize, f32) -> f32 + Sync) {
         if self.is_sparse {
             for row in 0..self.size {
                 for k in self.starts[row]..self.starts[row + 1] {
-                    mapped.values[k] = change(row, self.columns[k] as usize, self.values[k]);
+                    self.values[k] = change(row, self.columns[k] as usize, self.values[k]);
                 }
             }
-        } else {
-            let rows = mapped.values.par_chunks_mut(self.size.max(1)).enumerate();
-            rows.for_each(|(row, values)| {
-                for (column, value) in values.iter_mut().enumerate() {
-                    *value = change(row, column, *value);
-                }
-            });
+            return;
         }
-        mapped
+        let rows = self.values.par_chunks_mut(self.size.max(1)).enumerate();
+        rows.for_each(|(row, values)| {
+            for (column, value) in values.iter_mut().enumerate() {
+                *value = change(row, column, *value);
+            }
+        });
     }
 
     /// Rows and columns exchanged.
@@ -203,8 +225,34 @@ impl Entries {
     /// The same exchange seen by the receivers: entry (j, i) is `F_ij A_i / A_j`. Equal to itself where reciprocity
     /// is exact; where it is not, gathering by these rows conserves energy, gathering by the original ones does not.
     pub fn reciprocal(&self, areas: &[f64]) -> Self {
-        self.transposed()
-            .map(|j, i, f| to_f32(ratio(f64::from(f) * areas[i], areas[j])))
+        let mut mirrored = self.transposed();
+        mirrored.change(|j, i, f| to_f32(ratio(f64::from(f) * areas[i], areas[j])));
+        mirrored
+    }
+
+    /// [`Self::reciprocal`] in the same memory, where that can be.
+    pub(crate) fn into_reciprocal(mut self, areas: &[f64]) -> Self {
+        /// Rows and columns that are exchanged together, so that both stay in the cache.
+        const TILE: usize = 32;
+        if self.is_sparse {
+            return self.reciprocal(areas);
+        }
+        let n = self.size;
+        let mirror =
+            |f: f32, from: usize, to: usize| to_f32(ratio(f64::from(f) * areas[from], areas[to]));
+        for (top, left) in (0..n)
+            .step_by(TILE)
+            .flat_map(|top| (top..n).step_by(TILE).map(move |left| (top, left)))
+        {
+            for i in top..(top + TILE).min(n) {
+                for j in left.max(i)..(left + TILE).min(n) {
+                    let (there, back) = (self.values[i * n + j], self.values[j * n + i]);
+                    self.values[j * n + i] = mirror(there, i, j);
+                    self.values[i * n + j] = mirror(back, j, i);
+                }
+            }
+        }
+        self
     }
 
     /// The mean of the exchange as both sides have it. Rows of patches without an exposed point stay as they are:
@@ -295,21 +343,39 @@ impl ViewFactorMatrix {
         factors: &dyn FormFactors,
         options: MatrixOptions,
     ) -> Result<Vec<Self>, RadiosityError> {
+        let plan = MatrixPlan::new(factors, options)?;
+        let matrices = Self::build_as(factors, plan, options, NEVER)?;
+        Ok(matrices.expect("nobody stops it"))
+    }
+
+    /// As [`Self::build`], of which the plan is made already; none if it was stopped.
+    pub(crate) fn build_as(
+        factors: &dyn FormFactors,
+        plan: MatrixPlan,
+        options: MatrixOptions,
+        stop: Stop<'_>,
+    ) -> Result<Option<Vec<Self>>, RadiosityError> {
         let mesh = factors.mesh().clone();
-        let n = mesh.patches().len();
-        let bands = if mesh.visibility().is_tinted() { 3 } else { 1 };
-        let is_sparse = choose_storage(factors, n, bands, options)?;
+        let MatrixPlan {
+            n,
+            bands,
+            is_sparse,
+            ..
+        } = plan;
         let areas: Vec<f64> = (0..n).map(|p| patch_area(&mesh, p)).collect();
         let names = patch_names(&mesh);
-        if !is_sparse && let Some(rows) = factors.dense_rows() {
-            return Ok(vec![Self {
+        if !is_sparse && let Some(rows) = factors.dense_rows(stop) {
+            if stop() {
+                return Ok(None);
+            }
+            return Ok(Some(vec![Self {
                 entries: Entries::dense(n, rows.values),
                 areas,
                 names,
                 sky: rows.sky,
                 absorbed: rows.absorbed,
                 transmitted: vec![0.0; n],
-            }]);
+            }]));
         }
         let mut matrices: Vec<Self> = (0..bands)
             .map(|_| Self {
@@ -331,10 +397,15 @@ impl ViewFactorMatrix {
             let rows: Vec<Vec<Collected>> = chunk
                 .par_iter()
                 .map_init(Row::default, |row, &p| {
-                    factors.fill_row(mesh.patches()[p], row);
+                    if !stop() {
+                        factors.fill_row(mesh.patches()[p], row);
+                    }
                     (0..bands).map(|band| collect(&mesh, row, band)).collect()
                 })
                 .collect();
+            if stop() {
+                return Ok(None);
+            }
             for (&p, row) in chunk.iter().zip(&rows) {
                 for (matrix, row) in matrices.iter_mut().zip(row) {
                     matrix.push(p, row);
@@ -345,7 +416,7 @@ impl ViewFactorMatrix {
                 return Err(too_large(n, bytes, options.memory_limit));
             }
         }
-        Ok(matrices)
+        Ok(Some(matrices))
     }
 
     fn push(&mut self, row: usize, collected: &Collected) {
@@ -412,6 +483,11 @@ impl ViewFactorMatrix {
     /// The factors.
     pub fn entries(&self) -> &Entries {
         &self.entries
+    }
+
+    /// The factors, taken out.
+    pub(crate) fn into_entries(self) -> Entries {
+        self.entries
     }
 
     /// Factor from patch i to patch j.
@@ -654,33 +730,60 @@ fn entry((patch, sum): (usize, f64)) -> Option<(u32, f32)> {
     (sum != 0.0).then(|| (crate::index32(patch), to_f32(sum)))
 }
 
-/// Whether the matrix is to be sparse; refuses what would not fit.
-fn choose_storage(
-    factors: &dyn FormFactors,
+/// How a matrix will be stored, decided before its rows are computed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MatrixPlan {
     n: usize,
+    /// Matrices: one, or one for each band.
     bands: usize,
-    options: MatrixOptions,
-) -> Result<bool, RadiosityError> {
-    let dense = n.saturating_mul(n).saturating_mul(4 * bands);
-    if options.storage == Storage::Dense {
-        return if dense > options.memory_limit {
-            Err(too_large(n, dense, options.memory_limit))
+    is_sparse: bool,
+    bytes: usize,
+}
+
+impl MatrixPlan {
+    /// Looks at a sample of the rows where storage is to be chosen.
+    ///
+    /// # Errors
+    /// More memory than the options allow.
+    pub(crate) fn new(
+        factors: &dyn FormFactors,
+        options: MatrixOptions,
+    ) -> Result<Self, RadiosityError> {
+        let mesh = factors.mesh();
+        let n = mesh.patches().len();
+        let bands = if mesh.visibility().is_tinted() { 3 } else { 1 };
+        let dense = n.saturating_mul(n).saturating_mul(4 * bands);
+        let share = if options.storage == Storage::Dense {
+            1.0
         } else {
-            Ok(false)
+            sampled_share(factors, n)
         };
+        let is_sparse = match options.storage {
+            Storage::Auto => share < SPARSE_BELOW,
+            Storage::Dense => false,
+            Storage::Sparse => true,
+        };
+        // A sparse entry takes a column besides its value.
+        let bytes = if is_sparse {
+            to_bytes(2.0 * dense as f64 * share)
+        } else {
+            dense
+        };
+        if bytes > options.memory_limit {
+            return Err(too_large(n, bytes, options.memory_limit));
+        }
+        Ok(Self {
+            n,
+            bands,
+            is_sparse,
+            bytes,
+        })
     }
-    let share = sampled_share(factors, n);
-    let is_sparse = options.storage == Storage::Sparse || share < SPARSE_BELOW;
-    // A sparse entry takes a column besides its value.
-    let needed = if is_sparse {
-        to_bytes(2.0 * dense as f64 * share)
-    } else {
-        dense
-    };
-    if needed > options.memory_limit {
-        return Err(too_large(n, needed, options.memory_limit));
+
+    /// What all entries will take, about.
+    pub(crate) fn bytes(&self) -> usize {
+        self.bytes
     }
-    Ok(is_sparse)
 }
 
 /// Share of entries that are not zero in some rows, evenly picked.
@@ -700,10 +803,11 @@ fn sampled_share(factors: &dyn FormFactors, n: usize) -> f64 {
 fn too_large(n: usize, bytes: usize, limit: usize) -> RadiosityError {
     let mib = |bytes: usize| (bytes >> 20) + 1;
     RadiosityError::Option(format!(
-        "the form factors between {n} patches take about {} MiB, {} MiB are allowed; use fewer patches, or a solver \
-         that shoots",
+        "the form factors between {n} patches take about {} MiB, {} MiB are allowed; use at most {} patches, or a \
+         solver that shoots",
         mib(bytes),
-        limit >> 20
+        limit >> 20,
+        fitting(n, bytes, limit)
     ))
 }
 
@@ -803,6 +907,23 @@ mod tests {
             closure > 0.1 && closure <= 0.5 + 1e-6,
             "what cannot close is told and not made worse: {closure}"
         );
+    }
+
+    #[test]
+    fn reciprocal_in_place_is_the_same() {
+        let n = 75;
+        let factors: Vec<f64> = (0..n * n)
+            .map(|k| (k * 7919 % 101) as f64 / 101.0)
+            .collect();
+        let areas: Vec<f64> = (0..n).map(|i| ((i * 31 + 7) % 13) as f64).collect();
+        let entries = Entries::dense(n, factors.iter().map(|&f| to_f32(f)).collect());
+        let expected = entries.reciprocal(&areas);
+        assert_eq!(
+            expected.get(3, 70),
+            to_f32(f64::from(entries.get(70, 3)) * areas[70] / areas[3]),
+            "the exchange seen from the other side"
+        );
+        assert_eq!(entries.into_reciprocal(&areas), expected, "in place");
     }
 
     #[test]

@@ -27,6 +27,7 @@ pub use raycast::{RayCast, RayCastOptions};
 pub use surfaces::{Surfaces, SurfacesBy};
 
 use crate::patch::{NodeId, PatchMesh};
+use crate::stop::Stop;
 use std::sync::Arc;
 
 /// One row of form factors: everything that leaves a node, accounted for.
@@ -93,13 +94,33 @@ pub trait FormFactors: Send + Sync {
 
     /// The rows of all patches at once, where a method has a cheaper way to them than one after the other.
     ///
-    /// Rows are not scaled: what they lack to 1 is the method's error.
-    fn dense_rows(&self) -> Option<matrix::DenseRows> {
+    /// Rows are not scaled: what they lack to 1 is the method's error. `stop` is asked about once for each row; after
+    /// it has said so, the rest stays empty.
+    fn dense_rows(&self, stop: Stop<'_>) -> Option<matrix::DenseRows> {
+        let _ = stop;
         None
     }
 
     /// Rays cast so far, where rays are cast.
     fn rays(&self) -> u64 {
         0
+    }
+}
+
+impl<F: FormFactors + ?Sized> FormFactors for Box<F> {
+    fn mesh(&self) -> &Arc<PatchMesh> {
+        (**self).mesh()
+    }
+
+    fn fill_row(&self, source: NodeId, row: &mut Row) {
+        (**self).fill_row(source, row);
+    }
+
+    fn dense_rows(&self, stop: Stop<'_>) -> Option<matrix::DenseRows> {
+        (**self).dense_rows(stop)
+    }
+
+    fn rays(&self) -> u64 {
+        (**self).rays()
     }
 }

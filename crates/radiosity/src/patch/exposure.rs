@@ -7,6 +7,7 @@
 use crate::patch::face::Side;
 use crate::patch::{PatchMesh, Polygon};
 use crate::sampling::{cosine_direction, point_in_polygon, point2, polygon_point};
+use crate::stop::Stop;
 use crate::visibility::Visibility;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -87,11 +88,14 @@ fn nth(sample: f32, count: u32) -> u32 {
     ((sample * count as f32) as u32).min(count - 1)
 }
 
-/// Probes all elements of a mesh.
-pub(super) fn of_elements(mesh: &PatchMesh) -> Vec<ExposedPoints> {
+/// Probes all elements of a mesh; none if it was stopped.
+pub(super) fn of_elements(mesh: &PatchMesh, stop: Stop<'_>) -> Option<Vec<ExposedPoints>> {
     mesh.elements()
         .par_iter()
         .map(|&id| {
+            if stop() {
+                return None;
+            }
             let (polygon, normal) = (mesh.polygon(id), mesh.node(id).normal);
             let exposed = |bit: u32| {
                 !is_buried(
@@ -106,13 +110,13 @@ pub(super) fn of_elements(mesh: &PatchMesh) -> Vec<ExposedPoints> {
                 !is_buried(mesh.visibility(), c.lerp(centre(&polygon), 0.05), normal)
             });
             if first == 4 && corners.count() == polygon.len() {
-                return ExposedPoints::ALL;
+                return Some(ExposedPoints::ALL);
             }
-            ExposedPoints(
+            Some(ExposedPoints(
                 (0..POINTS)
                     .filter(|&bit| exposed(bit))
                     .fold(0, |mask, bit| mask | 1 << bit),
-            )
+            ))
         })
         .collect()
 }

@@ -13,6 +13,7 @@ use crate::patch::exposure::{ExposedArea, ExposedPoints};
 use crate::patch::face::{Side, WorldFace, newell_normal, world_faces};
 use crate::patch::subdivide::{Cell, Vertices, any_edge_longer, split};
 use crate::sampling::{cosine_direction, point_in_polygon, point2};
+use crate::stop::{NEVER, Stop};
 use crate::visibility::Visibility;
 use glam::Vec3;
 use hemicube_raster::Rgb;
@@ -189,6 +190,18 @@ impl PatchMesh {
     /// A scene that breaks [`Scene::check`], has no face with an area or one beyond `1e9` units, or sizes that are no
     /// sizes.
     pub fn build(scene: Arc<Scene>, options: PatchOptions) -> Result<Self, RadiosityError> {
+        Self::build_until(scene, options, NEVER)
+    }
+
+    /// As [`Self::build`], unless it is stopped.
+    ///
+    /// # Errors
+    /// As [`Self::build`], or [`RadiosityError::Stopped`].
+    pub fn build_until(
+        scene: Arc<Scene>,
+        options: PatchOptions,
+        stop: Stop<'_>,
+    ) -> Result<Self, RadiosityError> {
         scene.check()?;
         options.check()?;
         let mut report = ImportReport::default();
@@ -221,9 +234,11 @@ impl PatchMesh {
             faces,
             scene,
         };
-        mesh.grow(sizes);
-        mesh.average_materials();
-        mesh.exposure = exposure::of_elements(&mesh);
+        let stopped = RadiosityError::Stopped("while the mesh was built");
+        if mesh.grow(sizes, stop).is_none() || mesh.average_materials(stop).is_none() {
+            return Err(stopped);
+        }
+        mesh.exposure = exposure::of_elements(&mesh, stop).ok_or(stopped)?;
         let area = |(points, &id): (&ExposedPoints, &NodeId)| points.share() * mesh.node(id).area;
         mesh.exposed_area = mesh.exposure.iter().zip(&mesh.elements).map(area).collect();
         Ok(mesh)
@@ -391,8 +406,8 @@ impl PatchMesh {
             .fold(f32::INFINITY, f32::min)
     }
 
-    /// Makes clusters, surfaces and everything below.
-    fn grow(&mut self, sizes: Sizes) {
+    /// Makes clusters, surfaces and everything below; none if it was stopped.
+    fn grow(&mut self, sizes: Sizes, stop: Stop<'_>) -> Option<()> {
         let mut vertices = Vertices::default();
         let mut first = 0;
         while first < self.faces.len() {
@@ -402,10 +417,11 @@ impl PatchMesh {
                     .iter()
                     .take_while(|f| f.instance == instance)
                     .count();
-            self.grow_cluster(instance, first..end, sizes, &mut vertices);
+            self.grow_cluster(instance, first..end, sizes, &mut vertices, stop)?;
             first = end;
         }
         self.vertices = vertices.positions;
+        Some(())
     }
 
     fn grow_cluster(
@@ -414,14 +430,15 @@ impl PatchMesh {
         faces: core::ops::Range<usize>,
         sizes: Sizes,
         vertices: &mut Vertices,
-    ) {
+        stop: Stop<'_>,
+    ) -> Option<()> {
         let material = |face: usize| &self.scene.materials[self.faces[face].material as usize];
         if faces.clone().all(|face| material(face).lit_sides() == 0) {
             for face in faces {
                 let cell = cell_of(self.faces[face].polygon(), vertices);
                 self.obstructions.push((id32(face), cell));
             }
-            return;
+            return Some(());
         }
         let cluster = NodeId(id32(self.nodes.len()));
         let blank = Node {
@@ -447,6 +464,9 @@ impl PatchMesh {
         }
         let surfaces = cluster.0 + 1..id32(self.nodes.len());
         for surface in surfaces.clone() {
+            if stop() {
+                return None;
+            }
             self.subdivide_surface(NodeId(surface), sizes, vertices);
         }
         let below = &self.nodes[surfaces.start as usize..surfaces.end as usize];
@@ -456,6 +476,7 @@ impl PatchMesh {
         node.child_count = surfaces.end - surfaces.start;
         node.area = to_f32(area);
         node.centroid = weighted / node.area;
+        Some(())
     }
 
     fn push_surface(&mut self, cluster: NodeId, face: usize, side: Side, vertices: &mut Vertices) {
@@ -556,8 +577,8 @@ impl PatchMesh {
         }
     }
 
-    /// Averages materials over each element.
-    fn average_materials(&mut self) {
+    /// Averages materials over each element; none if it was stopped.
+    fn average_materials(&mut self, stop: Stop<'_>) -> Option<()> {
         self.patch_of_node = vec![NONE; self.nodes.len()];
         for (i, id) in self.patches.iter().enumerate() {
             self.patch_of_node[id.index()] = id32(i);
@@ -566,11 +587,12 @@ impl PatchMesh {
         for (i, id) in self.elements.iter().enumerate() {
             self.element_of_node[id.index()] = id32(i);
         }
-        let averages: Vec<[Rgb; 3]> = self
+        let averages: Option<Vec<[Rgb; 3]>> = self
             .elements
             .par_iter()
-            .map(|&id| self.average_material(id))
+            .map(|&id| (!stop()).then(|| self.average_material(id)))
             .collect();
+        let averages = averages?;
         self.reflectance = averages.iter().map(|a| a[0]).collect();
         self.emission = averages.iter().map(|a| a[1]).collect();
         self.transmittance = averages.iter().map(|a| a[2]).collect();
@@ -586,6 +608,7 @@ impl PatchMesh {
             );
             self.report.warn("reflectance", what);
         }
+        Some(())
     }
 
     /// Reflectance, exitance and transmittance of an element, averaged over a low-discrepancy set of its points.

@@ -8,10 +8,9 @@ pub struct Jacobi;
 
 impl MatrixMethod for Jacobi {
     fn step(&mut self, system: &mut System<'_>) -> bool {
-        for channel in 0..system.channels.len() {
-            let residuals = system.residuals(channel);
-            let radiosity = &mut system.channels[channel].radiosity;
-            for (b, r) in radiosity.iter_mut().zip(&residuals) {
+        let residuals = system.residuals();
+        for (channel, residuals) in system.channels.iter_mut().zip(&residuals) {
+            for (b, r) in channel.radiosity.iter_mut().zip(residuals) {
                 *b += r;
             }
         }

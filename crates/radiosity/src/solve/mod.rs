@@ -1,22 +1,46 @@
-//! Ways to the equilibrium of light.
+//! Ways to the equilibrium of light, `B_i = E_i + ρ_i Σ_j F_ij B_j`.
+//!
+//! | way | a step | needs |
+//! |---|---|---|
+//! | [`Shooting`], cyclic or sorted (Cohen, Chen, Wallace, Greenberg 1988) | a patch shoots | rows on demand |
+//! | [`Shooting`], [`overshooting`] (Feda, Purgathofer 1992) | a patch shoots, what it will get back included | rows on demand |
+//! | [`Gauss`] (Goral, Torrance, Greenberg, Battaile 1984 solved so) | columns are eliminated | matrix, and `8 n²` bytes a channel |
+//! | [`Jacobi`] | all patches gather at once | matrix |
+//! | [`GaussSeidel`] (Cohen, Greenberg 1985), [`Gathering`] | patches gather one after the other; one a step | matrix |
+//! | [`Southwell`] (Gortler, Cohen, Slusallek 1994), [`Overshooting`] | the patch with the largest residual is relaxed | matrix twice |
+//! | [`ConjugateGradient`] (van der Vorst 1992) | a descent in all patches | matrix |
+//!
+//! [`OnMatrix`] runs those on a matrix as a [`Solver`] of a [`Solution`]; [`MatrixRun`] runs them on plain vectors. To
+//! an unshot share of 1e-5 the default Cornell box (560 patches) takes 4704 sorted shots, 2821 with overshooting, 18
+//! sweeps of Jacobi, 10 of Gauss-Seidel, or 6 iterations of conjugate gradients, each worth two sweeps. The brighter
+//! the room, the more overshooting and conjugate gradients gain: 2498 shots instead of 43,559 in a closed box of
+//! reflectance 0.95, where Gauss-Seidel takes 113 sweeps.
 
 pub mod ambient;
+pub mod conjugate_gradient;
+pub mod element_gathering;
 pub mod gathering;
 pub mod gauss;
+mod gauss_blocked;
 pub mod gauss_seidel;
 pub mod jacobi;
 mod max_tree;
 pub mod on_matrix;
+pub mod overshooting;
 pub mod shooting;
+mod shot;
 pub mod southwell;
 pub mod system;
 
 pub use ambient::ambient_irradiance;
+pub use conjugate_gradient::ConjugateGradient;
+pub use element_gathering::ElementGathering;
 pub use gathering::Gathering;
 pub use gauss::Gauss;
 pub use gauss_seidel::GaussSeidel;
 pub use jacobi::Jacobi;
-pub use on_matrix::OnMatrix;
+pub use on_matrix::{NotStarted, OnMatrix};
+pub use overshooting::Overshooting;
 pub use shooting::{Order, Shooting};
 pub use southwell::Southwell;
 pub use system::{MatrixMethod, MatrixRun, MatrixSolverKind, solve_matrix};
@@ -29,7 +53,18 @@ pub trait Solver {
     /// Does one step.
     fn step(&mut self) -> Progress;
 
-    /// Light as it stands.
+    /// Where it is.
+    fn progress(&self) -> Progress;
+
+    /// Whether further steps would only move the rounding of numbers around.
+    fn is_exhausted(&self) -> bool {
+        false
+    }
+
+    /// Brings the solution up to date, for solvers that do so only now and then.
+    fn settle(&mut self) {}
+
+    /// Light as it stands, or stood when it was last brought up to date.
     fn solution(&self) -> &Solution;
 
     /// Light as it stands, taken out.
@@ -50,22 +85,26 @@ pub struct Progress {
     pub residual: f64,
 }
 
-/// Steps until the unshot share is at most `tolerance` or `go_on` says no.
+/// Steps until the unshot share is at most `tolerance` or `go_on` says no. It is asked before every step, and told the
+/// last state, whatever it answers then.
 pub fn run(
     solver: &mut impl Solver,
     tolerance: f64,
     mut go_on: impl FnMut(&Progress, &Solution) -> bool,
 ) -> Progress {
-    let mut progress = Progress {
-        iteration: solver.solution().provenance.steps,
-        unshot: solver.solution().unshot_fraction(),
-        residual: 1.0,
-    };
-    while progress.unshot > tolerance
-        && progress.residual > 0.0
-        && go_on(&progress, solver.solution())
-    {
+    let mut progress = solver.progress();
+    loop {
+        if progress.unshot <= tolerance {
+            // Solvers on a matrix judge by it; what counts is what the rows have left.
+            solver.settle();
+            progress = solver.progress();
+        }
+        let wanted = go_on(&progress, solver.solution());
+        let is_done =
+            progress.unshot <= tolerance || progress.residual <= 0.0 || solver.is_exhausted();
+        if is_done || !wanted {
+            return progress;
+        }
         progress = solver.step();
     }
-    progress
 }

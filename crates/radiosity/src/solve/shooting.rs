@@ -4,27 +4,30 @@
 //! with nothing unshot. Energy is kept at every step: what leaves is received, absorbed or escapes.
 
 use crate::form_factor::{FormFactors, Row};
-use crate::patch::PatchMesh;
 use crate::solution::{BANDS, Solution};
 use crate::solve::max_tree::MaxTree;
+use crate::solve::overshooting::Estimate;
+use crate::solve::shot::{Surfaces, to_f32};
 use crate::solve::{Progress, Solver};
-use hemicube_raster::Rgb;
 use rayon::prelude::*;
 
-/// Which patch shoots next.
+/// Which patch shoots next, and how much.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
     /// One after the other, round and round.
     Cyclic,
     /// Always the one with most unshot flux.
     Sorted,
+    /// The one with most unshot flux, what it will get back counted in; it shoots both
+    /// ([`overshooting`](super::overshooting)).
+    Overshooting,
 }
 
 /// Patches above which several shoot in one step, so that small rows keep all threads busy.
 const BATCH_FROM_PATCHES: usize = 20_000;
 const BATCH: usize = 64;
 
-/// Shooting, in either order.
+/// Shooting, in any order.
 pub struct Shooting<'a> {
     factors: &'a dyn FormFactors,
     solution: Solution,
@@ -32,6 +35,8 @@ pub struct Shooting<'a> {
     /// Unshot flux of each patch, over channels.
     unshot: MaxTree,
     surfaces: Surfaces,
+    /// Only where more is shot than is there.
+    estimate: Option<Estimate>,
     emitted: f64,
     next: usize,
     batch: usize,
@@ -55,6 +60,7 @@ impl<'a> Shooting<'a> {
             order,
             unshot: MaxTree::new(&[]),
             surfaces: Surfaces::new(solution.mesh()),
+            estimate: (order == Order::Overshooting).then(|| Estimate::new(solution.mesh())),
             emitted,
             next: usize::try_from(solution.provenance.steps).unwrap_or(0) % patches.max(1),
             batch,
@@ -70,23 +76,31 @@ impl<'a> Shooting<'a> {
 
     /// The patch, by its position in the mesh's patches, that shoots in the next step.
     pub fn next_patch(&self) -> usize {
-        match self.order {
-            Order::Cyclic => self.next,
-            Order::Sorted => self.unshot.largest().0,
+        match (self.order, &self.estimate) {
+            (Order::Cyclic, _) => self.next,
+            (_, None) => self.unshot.largest().0,
+            (_, Some(estimate)) => estimate.clone().refreshed(&self.solution).largest().0,
         }
-    }
-
-    fn flux(&self, patch: usize) -> Vec<f64> {
-        unshot_flux(&self.solution, patch)
     }
 
     /// The patches of the next step, without those that have nothing to shoot.
     fn choose(&mut self) -> Vec<usize> {
+        if let Some(estimate) = &mut self.estimate {
+            let mut shots = estimate.refreshed(&self.solution);
+            let chosen: Vec<usize> = core::iter::repeat_with(|| take_largest(&mut shots))
+                .map_while(|patch| patch)
+                .take(self.batch)
+                .collect();
+            if !chosen.is_empty() {
+                return chosen;
+            }
+            estimate.forget();
+        }
         let mut chosen = Vec::with_capacity(self.batch);
         let patches = self.solution.mesh().patches().len();
         for _ in 0..self.batch {
             let patch = match self.order {
-                Order::Sorted => self.unshot.largest().0,
+                Order::Sorted | Order::Overshooting => self.unshot.largest().0,
                 Order::Cyclic => {
                     let found = (0..patches)
                         .map(|i| (self.next + i) % patches)
@@ -105,9 +119,9 @@ impl<'a> Shooting<'a> {
         chosen
     }
 
-    /// Spreads what a patch has unshot.
+    /// Spreads what a patch has unshot, and what it is expected to get back.
     fn shoot(&mut self, patch: usize, row: &Row) {
-        let fluxes = self.flux(patch);
+        let fluxes = self.take_unshot(patch);
         let mesh = self.solution.mesh().clone();
         let elements = mesh.elements().len();
         let (irradiance, unshot, balance) = self.solution.channels_mut();
@@ -115,26 +129,43 @@ impl<'a> Shooting<'a> {
             let (group, band) = (channel / BANDS, channel % BANDS);
             let range = channel * elements..(channel + 1) * elements;
             let (irradiance, unshot) = (&mut irradiance[range.clone()], &mut unshot[range]);
-            unshot[mesh.elements_of_patch(patch)].fill(0.0);
             if flux == 0.0 {
                 continue;
             }
-            let factor = to_f32(flux);
-            let (reflectance, kept) = (&self.surfaces.reflectance[band], &self.surfaces.kept[band]);
-            let (mut received, mut reflected) = (0.0, 0.0);
-            for (&e, &fraction) in row.receivers.iter().zip(row.band(band)) {
-                let e = e as usize;
-                let gain = fraction * factor * self.surfaces.inverse_area[e];
-                irradiance[e] += gain;
-                unshot[e] += reflectance[e] * gain;
-                received += f64::from(fraction) * f64::from(kept[e]);
-                reflected += f64::from(fraction) * f64::from(reflectance[e]);
+            if let Some(estimate) = &mut self.estimate {
+                estimate.learn(band, flux, row.escaped[band]);
             }
-            let backs = f64::from(row.absorbed[band]);
-            balance[group][band].absorbed += flux * (received - reflected + backs);
-            balance[group][band].escaped += flux * f64::from(row.escaped[band]);
+            let balance = &mut balance[group][band];
+            let reflect = |e: usize, _, radiosity| unshot[e] += radiosity;
+            self.surfaces
+                .spread(row, band, flux, irradiance, balance, reflect);
         }
         self.refresh(row, patch);
+    }
+
+    /// Takes what a patch shoots in each channel from its elements; what it shoots ahead of its time they owe.
+    fn take_unshot(&mut self, patch: usize) -> Vec<f64> {
+        let mut fluxes = unshot_flux(&self.solution, patch);
+        let mesh = self.solution.mesh().clone();
+        let elements = mesh.elements().len();
+        let (_, unshot, _) = self.solution.channels_mut();
+        for channel in 0..fluxes.len() {
+            let ahead = self.estimate.as_ref().map_or(0.0, |e| e.ambient(channel));
+            let reflectance = &self.surfaces.reflectance[channel % BANDS];
+            for e in mesh.elements_of_patch(patch) {
+                unshot[channel * elements + e] = if ahead == 0.0 {
+                    0.0
+                } else {
+                    -to_f32(ahead) * reflectance[e]
+                };
+            }
+        }
+        if self.estimate.is_some() {
+            // From what was written, so that not even its rounding is lost.
+            let owed = unshot_flux(&self.solution, patch);
+            fluxes.iter_mut().zip(owed).for_each(|(f, o)| *f -= o);
+        }
+        fluxes
     }
 
     /// Brings the tree up to date for the patches that a row reached.
@@ -162,26 +193,11 @@ impl<'a> Shooting<'a> {
     }
 }
 
-/// What a shot needs to know of the elements, each array on its own so that a row runs through them in order.
-struct Surfaces {
-    inverse_area: Vec<f32>,
-    reflectance: [Vec<f32>; BANDS],
-    /// Share of arriving light that is not let straight through.
-    kept: [Vec<f32>; BANDS],
-}
-
-impl Surfaces {
-    fn new(mesh: &PatchMesh) -> Self {
-        let areas = (0..mesh.elements().len()).map(|e| mesh.exposed_area(e));
-        let bands = |values: &[Rgb], of: fn(f32) -> f32| {
-            [0, 1, 2].map(|band| values.iter().map(|v| of(v[band])).collect())
-        };
-        Self {
-            inverse_area: areas.map(|a| if a > 0.0 { 1.0 / a } else { 0.0 }).collect(),
-            reflectance: bands(mesh.reflectance(), |r| r),
-            kept: bands(mesh.transmittance(), |t| 1.0 - t),
-        }
-    }
+/// Position of the largest number, which then counts as taken; none if nothing is left.
+fn take_largest(numbers: &mut MaxTree) -> Option<usize> {
+    let (index, number) = numbers.largest();
+    numbers.set(index, 0.0);
+    (number > 0.0).then_some(index)
 }
 
 impl Solver for Shooting<'_> {
@@ -202,6 +218,10 @@ impl Solver for Shooting<'_> {
         }
         self.rows = rows;
         self.solution.provenance.steps += chosen.len() as u64;
+        self.progress()
+    }
+
+    fn progress(&self) -> Progress {
         let emitted = if self.emitted > 0.0 {
             self.emitted
         } else {
@@ -224,7 +244,7 @@ impl Solver for Shooting<'_> {
 }
 
 /// Signed unshot flux of a patch in each channel.
-fn unshot_flux(solution: &Solution, patch: usize) -> Vec<f64> {
+pub(super) fn unshot_flux(solution: &Solution, patch: usize) -> Vec<f64> {
     (0..solution.groups().len() * BANDS)
         .map(|channel| solution.unshot_patch_flux(patch, channel / BANDS, channel % BANDS))
         .collect()
@@ -239,9 +259,4 @@ fn unshot_magnitude(solution: &Solution, patch: usize) -> f64 {
                 .abs()
         })
         .sum()
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }

@@ -3,7 +3,9 @@
 use crate::error::RadiosityError;
 use crate::form_factor::ViewFactorMatrix;
 use crate::form_factor::matrix::Entries;
-use crate::solve::{Gathering, Gauss, GaussSeidel, Jacobi, Southwell};
+use crate::solve::{
+    ConjugateGradient, Gathering, Gauss, GaussSeidel, Jacobi, Overshooting, Southwell,
+};
 use rayon::prelude::*;
 
 /// One colour band of one light group: `B_i = E_i + ρ_i Σ_j F_ij B_j`.
@@ -20,6 +22,8 @@ pub struct Channel {
 }
 
 /// Equations of all channels over the same patches.
+///
+/// Channels that share a matrix are gathered in one pass over it: reading the factors is what takes the time.
 #[derive(Debug)]
 pub struct System<'a> {
     /// Factors: one matrix, or one for each band.
@@ -28,9 +32,28 @@ pub struct System<'a> {
     pub areas: &'a [f64],
     /// The equations.
     pub channels: &'a mut [Channel],
+    /// Of each matrix: the channels that it serves.
+    served: Vec<Vec<usize>>,
 }
 
-impl System<'_> {
+impl<'a> System<'a> {
+    /// The equations of these channels.
+    pub fn new(matrices: &'a [Entries], areas: &'a [f64], channels: &'a mut [Channel]) -> Self {
+        let of_matrix = |m: usize| -> Vec<usize> {
+            let channels = channels.iter().enumerate();
+            channels
+                .filter(|(_, c)| c.matrix == m)
+                .map(|(i, _)| i)
+                .collect()
+        };
+        Self {
+            served: (0..matrices.len()).map(of_matrix).collect(),
+            matrices,
+            areas,
+            channels,
+        }
+    }
+
     /// Number of patches.
     pub fn size(&self) -> usize {
         self.areas.len()
@@ -41,34 +64,66 @@ impl System<'_> {
         &self.matrices[self.channels[channel].matrix]
     }
 
-    /// What the equation of a patch lacks: `E_i + ρ_i Σ_j F_ij B_j - B_i`.
-    pub fn residual(&self, channel: usize, i: usize) -> f64 {
-        let Channel {
-            reflectance,
-            emission,
-            radiosity,
-            ..
-        } = &self.channels[channel];
-        emission[i] + reflectance[i] * self.factors(channel).dot(i, radiosity) - radiosity[i]
+    /// `Σ_j F_ij x_j` of one patch, with a vector x and a result for each channel.
+    fn gather<'v>(&self, i: usize, vector: impl Fn(usize) -> &'v [f64], sums: &mut [f64]) {
+        for (matrix, served) in self.matrices.iter().zip(&self.served) {
+            for some in served.chunks(3) {
+                match *some {
+                    [a] => [sums[a]] = matrix.dots(i, [vector(a)]),
+                    [a, b] => [sums[a], sums[b]] = matrix.dots(i, [vector(a), vector(b)]),
+                    [a, b, c] => {
+                        let vectors = [vector(a), vector(b), vector(c)];
+                        [sums[a], sums[b], sums[c]] = matrix.dots(i, vectors);
+                    }
+                    _ => unreachable!("chunks have one to three channels"),
+                }
+            }
+        }
     }
 
-    /// Residuals of all patches of a channel.
-    pub fn residuals(&self, channel: usize) -> Vec<f64> {
-        let state = &self.channels[channel];
-        if state.radiosity.iter().all(|&b| b == 0.0) {
-            return state.emission.clone();
+    /// `ρ_i Σ_j F_ij x_j` of all patches, with a vector x and a result for each channel: the light of one reflection.
+    pub fn reflected<'v>(&self, vector: impl Fn(usize) -> &'v [f64] + Sync) -> Vec<Vec<f64>> {
+        let count = self.channels.len();
+        let mut sums = vec![0.0; self.size() * count];
+        sums.par_chunks_mut(count.max(1))
+            .enumerate()
+            .for_each(|(i, sums)| self.gather(i, &vector, sums));
+        let of_channel = |(c, channel): (usize, &Channel)| -> Vec<f64> {
+            let patches = channel.reflectance.iter().enumerate();
+            patches.map(|(i, rho)| rho * sums[i * count + c]).collect()
+        };
+        self.channels.iter().enumerate().map(of_channel).collect()
+    }
+
+    /// What the equation of each patch lacks, by channel: `E_i + ρ_i Σ_j F_ij B_j - B_i`.
+    pub fn residuals(&self) -> Vec<Vec<f64>> {
+        let channels = self.channels.iter();
+        if channels
+            .clone()
+            .flat_map(|c| &c.radiosity)
+            .all(|&b| b == 0.0)
+        {
+            return channels.map(|c| c.emission.clone()).collect();
         }
-        let patches = (0..self.size()).into_par_iter();
-        patches.map(|i| self.residual(channel, i)).collect()
+        let mut residuals = self.reflected(|c| &self.channels[c].radiosity);
+        for (channel, residuals) in channels.zip(&mut residuals) {
+            for (i, r) in residuals.iter_mut().enumerate() {
+                *r += channel.emission[i] - channel.radiosity[i];
+            }
+        }
+        residuals
     }
 
     /// Fulfils the equation of one patch in all channels, given all other radiosities: it gathers.
     pub fn relax(&mut self, i: usize) {
-        for channel in 0..self.channels.len() {
-            let own = f64::from(self.factors(channel).get(i, i));
-            let residual = self.residual(channel, i);
-            let state = &mut self.channels[channel];
-            state.radiosity[i] += residual / (1.0 - state.reflectance[i] * own);
+        let mut sums = vec![0.0; self.channels.len()];
+        self.gather(i, |c| &self.channels[c].radiosity, &mut sums);
+        for (c, sum) in sums.into_iter().enumerate() {
+            let own = f64::from(self.factors(c).get(i, i));
+            let state = &mut self.channels[c];
+            let (reflectance, radiosity) = (state.reflectance[i], &mut state.radiosity[i]);
+            let residual = state.emission[i] + reflectance * sum - *radiosity;
+            *radiosity += residual / (1.0 - reflectance * own);
         }
     }
 
@@ -78,11 +133,8 @@ impl System<'_> {
             let fluxes = values.iter().zip(self.areas);
             fluxes.map(|(b, a)| b.abs() * a).sum()
         };
-        let (mut residual, mut emitted) = (0.0, 0.0);
-        for channel in 0..self.channels.len() {
-            residual += flux(&self.residuals(channel));
-            emitted += flux(&self.channels[channel].emission);
-        }
+        let residual: f64 = self.residuals().iter().map(|r| flux(r)).sum();
+        let emitted: f64 = self.channels.iter().map(|c| flux(&c.emission)).sum();
         if emitted > 0.0 {
             residual / emitted
         } else {
@@ -98,6 +150,11 @@ pub trait MatrixMethod: core::fmt::Debug + Send {
 
     /// Forgets what it knows of right sides and radiosities, which have changed; matrices and reflectances have not.
     fn restart(&mut self);
+
+    /// Residuals of each channel and patch as they stand, if it keeps them anyway.
+    fn residuals(&self) -> Option<&[Vec<f64>]> {
+        None
+    }
 }
 
 /// Ways to solve the equations on a matrix.
@@ -113,16 +170,22 @@ pub enum MatrixSolverKind {
     Southwell,
     /// One patch gathers.
     Gathering,
+    /// As Southwell, but what the patch will get back is counted in and shot ahead.
+    Overshooting,
+    /// Descent along directions that do not spoil one another's work.
+    ConjugateGradient,
 }
 
 impl MatrixSolverKind {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 7] = [
         Self::Gauss,
         Self::Jacobi,
         Self::GaussSeidel,
         Self::Southwell,
         Self::Gathering,
+        Self::Overshooting,
+        Self::ConjugateGradient,
     ];
 
     /// Name on the command line and in reports.
@@ -133,6 +196,8 @@ impl MatrixSolverKind {
             Self::GaussSeidel => "gauss-seidel",
             Self::Southwell => "southwell",
             Self::Gathering => "gathering",
+            Self::Overshooting => "overshooting",
+            Self::ConjugateGradient => "conjugate-gradient",
         }
     }
 
@@ -144,6 +209,8 @@ impl MatrixSolverKind {
             Self::GaussSeidel => Box::new(GaussSeidel),
             Self::Southwell => Box::new(Southwell::default()),
             Self::Gathering => Box::new(Gathering::default()),
+            Self::Overshooting => Box::new(Overshooting::default()),
+            Self::ConjugateGradient => Box::new(ConjugateGradient::default()),
         }
     }
 
@@ -152,37 +219,57 @@ impl MatrixSolverKind {
         matches!(self, Self::Jacobi | Self::GaussSeidel | Self::Gathering)
     }
 
-    /// Bytes that it takes besides the matrices.
-    pub(crate) fn extra_bytes(self, matrices: &[Entries], channels: usize) -> usize {
-        let n = matrices.first().map_or(0, Entries::size);
+    /// Bytes that it takes besides the matrices, which take `stored`.
+    fn extra_bytes(self, n: usize, stored: usize, channels: usize) -> usize {
         match self {
             Self::Gauss => n.saturating_mul(n).saturating_mul(8 * channels),
-            Self::Southwell => matrices.iter().map(Entries::bytes).sum(),
+            Self::Southwell | Self::Overshooting => stored,
+            Self::ConjugateGradient => n.saturating_mul(8 * 7 * channels),
             Self::Jacobi | Self::GaussSeidel | Self::Gathering => 0,
         }
     }
 
-    /// Refuses more memory than allowed, matrices included.
+    /// Refuses more memory than allowed, matrices of `stored` bytes included.
     pub(crate) fn refuse_memory(
         self,
-        matrices: &[Entries],
+        n: usize,
+        stored: usize,
         channels: usize,
         limit: usize,
     ) -> Result<(), RadiosityError> {
-        let stored: usize = matrices.iter().map(Entries::bytes).sum();
-        let needed = stored.saturating_add(self.extra_bytes(matrices, channels));
+        let needed = stored.saturating_add(self.extra_bytes(n, stored, channels));
         if needed <= limit {
             return Ok(());
         }
+        let advice = match self {
+            Self::Gauss | Self::Southwell | Self::Overshooting => {
+                "or gauss-seidel, which needs no second matrix"
+            }
+            _ => "or a solver that shoots, which needs no matrix",
+        };
         Err(RadiosityError::Option(format!(
-            "solver {} on {} patches takes {} MiB, {} MiB are allowed; use fewer patches, or gauss-seidel, which \
-             needs no second matrix",
+            "solver {} on {n} patches takes about {} MiB, {} MiB are allowed; use at most {} patches, {advice}",
             self.name(),
-            matrices.first().map_or(0, Entries::size),
             (needed >> 20) + 1,
-            limit >> 20
+            limit >> 20,
+            fitting(n, needed, limit),
         )))
     }
+}
+
+/// How many patches fit a memory limit if n take `needed` bytes, growing with the square.
+pub(crate) fn fitting(n: usize, needed: usize, limit: usize) -> usize {
+    let share = limit as f64 / needed.max(1) as f64;
+    let most = n as f64 * share.sqrt();
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and n"
+    )]
+    let most = most as usize;
+    // Two digits: the mesh comes only near to a wanted number.
+    let unit = 10_usize.pow(most.max(1).ilog10().saturating_sub(1));
+    most / unit * unit
 }
 
 /// One channel solved on a matrix, step by step: for enclosures that are no scene.
@@ -224,8 +311,7 @@ impl<'a> MatrixRun<'a> {
                 ));
             }
         }
-        let matrices = core::slice::from_ref(matrix.entries());
-        kind.refuse_memory(matrices, 1, 2 << 30)?;
+        kind.refuse_memory(n, matrix.entries().bytes(), 1, 2 << 30)?;
         let radiosity = if kind.starts_at_emission() {
             emission.to_vec()
         } else {
@@ -244,11 +330,9 @@ impl<'a> MatrixRun<'a> {
     }
 
     fn system(&mut self) -> (System<'_>, &mut dyn MatrixMethod) {
-        let system = System {
-            matrices: core::slice::from_ref(self.matrix.entries()),
-            areas: self.matrix.areas(),
-            channels: core::slice::from_mut(&mut self.channel),
-        };
+        let matrices = core::slice::from_ref(self.matrix.entries());
+        let channels = core::slice::from_mut(&mut self.channel);
+        let system = System::new(matrices, self.matrix.areas(), channels);
         (system, &mut *self.method)
     }
 
@@ -265,7 +349,7 @@ impl<'a> MatrixRun<'a> {
 
     /// `E + ρ F B - B` of each patch: of shooting methods what is unshot.
     pub fn residuals(&mut self) -> Vec<f64> {
-        self.system().0.residuals(0)
+        self.system().0.residuals().remove(0)
     }
 
     /// Absolute residual flux over emitted flux.

@@ -2,7 +2,7 @@
 
 use super::probe::Probe;
 use crate::failure::one_line;
-use crate::report::{Warnings, grouped};
+use crate::report::{Warnings, factors, grouped};
 use crate::solving::percent;
 use glam::Vec3;
 use hemicube::radiosity::patch::NodeKind;
@@ -202,10 +202,13 @@ impl Facts {
         let from = &solution.provenance;
         let _ = writeln!(
             text,
-            "solution  {}, {} with {} rays, seed {}: {} steps, {} rays, {:.1} s; {} unshot",
+            "solution  {}, {}, seed {}: {} steps, {} rays, {:.1} s; {} unshot",
             one_line(&from.solver),
-            one_line(&from.form_factors),
-            from.rays_per_hemisphere,
+            factors(
+                &from.form_factors,
+                from.rays_per_hemisphere,
+                from.hemicube_resolution
+            ),
             from.seed,
             grouped(from.steps),
             grouped(from.rays),

@@ -2,6 +2,7 @@
 
 use super::{Analytic, Block, Scratch};
 use crate::form_factor::matrix::DenseRows;
+use crate::stop::Stop;
 use rayon::prelude::*;
 
 /// Rows below which the mirror image is taken without further cutting.
@@ -10,7 +11,7 @@ const SMALL: usize = 64;
 const STRIP: usize = 16;
 
 /// The rows of all patches, which are the elements.
-pub fn dense_rows(factors: &Analytic) -> DenseRows {
+pub fn dense_rows(factors: &Analytic, stop: Stop<'_>) -> DenseRows {
     let n = factors.ends.len();
     let areas: Vec<f64> = (0..n)
         .map(|e| f64::from(factors.mesh.exposed_area(e)))
@@ -25,6 +26,10 @@ pub fn dense_rows(factors: &Analytic) -> DenseRows {
     }
     jobs.into_par_iter()
         .for_each_init(Scratch::default, |scratch, (number, block, rows)| {
+            // Asked once for each row.
+            if block.elements.clone().any(|_| stop()) {
+                return;
+            }
             for other in &factors.blocks[number..] {
                 fill(factors, block, other, &areas, rows, scratch);
             }

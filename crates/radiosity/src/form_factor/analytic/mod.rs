@@ -31,6 +31,7 @@ use crate::form_factor::{FormFactors, RayCast, RayCastOptions, Row};
 use crate::patch::face::WorldFace;
 use crate::patch::{NodeId, NodeKind, PatchMesh};
 use crate::sampling::{hash, point2};
+use crate::stop::Stop;
 use flat_surfaces::FlatSurfaces;
 use glam::DVec3;
 use hemicube_raster::Rgb;
@@ -388,10 +389,10 @@ impl FormFactors for Analytic {
         self.rays.rays()
     }
 
-    fn dense_rows(&self) -> Option<DenseRows> {
+    fn dense_rows(&self, stop: Stop<'_>) -> Option<DenseRows> {
         let is_one_to_one = self.mesh.patches() == self.mesh.elements();
         let transmits = self.mesh.transmittance().iter().any(|t| !t.is_black());
-        (is_one_to_one && self.bands == 1 && !transmits).then(|| matrix::dense_rows(self))
+        (is_one_to_one && self.bands == 1 && !transmits).then(|| matrix::dense_rows(self, stop))
     }
 }
 

@@ -5,8 +5,11 @@ use super::{
     ViewFactorMatrix, collect, patch_area, ratio, to_bytes, to_f32,
 };
 use crate::error::RadiosityError;
+use crate::form_factor::matrix::DenseRows;
 use crate::form_factor::surfaces::Surfaces;
 use crate::form_factor::{FormFactors, Row};
+use crate::patch::PatchMesh;
+use crate::stop::Stop;
 use rayon::prelude::*;
 
 /// Dense matrices up to this size are not worth a look at how many of their entries are zero, in bytes.
@@ -16,7 +19,9 @@ impl ViewFactorMatrix {
     /// The factors between surfaces, each the sum over its patches: `F_IJ = Σ_i A_i Σ_j F_ij / A_I`; shares of sky,
     /// backs and panes likewise. Where tinted glass makes bands differ, it is the mean of the three.
     ///
-    /// Rows are summed as they are computed, so the memory is that of the surfaces, however many patches there are.
+    /// Rows are summed as they are computed, so the memory is that of the surfaces, however many patches there are;
+    /// only where rows come cheaper all at once, and they fit, is there a matrix of patches, too. `stop` is asked about
+    /// once for each row; after it has said so, the rest stays empty.
     ///
     /// # Errors
     /// More memory than the options allow, told before the rows are computed (by a sample of them, if sparse).
@@ -24,10 +29,19 @@ impl ViewFactorMatrix {
         factors: &dyn FormFactors,
         surfaces: &Surfaces,
         options: MatrixOptions,
+        stop: Stop<'_>,
     ) -> Result<Self, RadiosityError> {
         let mesh = factors.mesh().clone();
         let n = surfaces.len();
         let is_sparse = choose_storage(factors, surfaces, options)?;
+        let patches = mesh.patches().len();
+        let fits = patches.saturating_mul(patches).saturating_mul(4) <= options.memory_limit;
+        if !is_sparse
+            && fits
+            && let Some(rows) = factors.dense_rows(stop)
+        {
+            return Ok(Self::summed_by(&mesh, rows, surfaces));
+        }
         let mut summer = Summer::new(surfaces.names().to_vec(), is_sparse);
         // Stable, so that patches of one surface keep their order.
         let mut patches: Vec<(usize, usize)> = (0..mesh.patches().len())
@@ -37,7 +51,13 @@ impl ViewFactorMatrix {
         for chunk in patches.chunks(CHUNK) {
             let rows: Vec<Collected> = chunk
                 .par_iter()
-                .map_init(Row::default, |row, &(_, p)| mean_row(factors, p, row))
+                .map_init(Row::default, |row, &(_, p)| {
+                    if stop() {
+                        Collected::default()
+                    } else {
+                        mean_row(factors, p, row)
+                    }
+                })
                 .collect();
             for (&(surface, p), row) in chunk.iter().zip(&rows) {
                 let of = |patch| surfaces.of_patch(patch);
@@ -49,6 +69,38 @@ impl ViewFactorMatrix {
             }
         }
         Ok(summer.finish())
+    }
+
+    /// The sums of rows that are all there.
+    fn summed_by(mesh: &PatchMesh, rows: DenseRows, surfaces: &Surfaces) -> Self {
+        let n = mesh.patches().len();
+        if (0..n).all(|p| surfaces.of_patch(p) == Some(p)) {
+            return Self {
+                entries: Entries::dense(n, rows.values),
+                areas: (0..n).map(|p| patch_area(mesh, p)).collect(),
+                names: surfaces.names().to_vec(),
+                sky: rows.sky,
+                absorbed: rows.absorbed,
+                transmitted: vec![0.0; n],
+            };
+        }
+        let mut summer = Summer::new(surfaces.names().to_vec(), false);
+        let mut patches: Vec<(usize, usize)> = (0..n)
+            .filter_map(|p| Some((surfaces.of_patch(p)?, p)))
+            .collect();
+        patches.sort_by_key(|&(surface, _)| surface);
+        for (surface, p) in patches {
+            let row = rows.values[p * n..(p + 1) * n].iter().enumerate();
+            let row = Collected {
+                entries: row.map(|(j, &f)| (crate::index32(j), f)).collect(),
+                sky: rows.sky[p],
+                absorbed: rows.absorbed[p],
+                transmitted: 0.0,
+            };
+            let of = |patch| surfaces.of_patch(patch);
+            summer.add(surface, patch_area(mesh, p), &row, of);
+        }
+        summer.finish()
     }
 
     /// The matrix between groups of rows: `groups` has the group of each row, `names` a name for each group.

@@ -1,0 +1,160 @@
+//! Axes: from numbers to pixels, with ticks at numbers that people like.
+
+/// An axis as it is drawn.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    low: f64,
+    high: f64,
+    is_log: bool,
+    /// Pixels of both ends.
+    ends: [f64; 2],
+    /// Pixel and label.
+    pub ticks: Vec<(f64, String)>,
+}
+
+impl Axis {
+    /// The pixel of a number.
+    pub fn place(&self, number: f64) -> f64 {
+        let number = if self.is_log { number.log10() } else { number };
+        let share = (number - self.low) / (self.high - self.low);
+        self.ends[0] + share * (self.ends[1] - self.ends[0])
+    }
+
+    fn with_ticks(mut self, numbers: impl Iterator<Item = (f64, String)>) -> Self {
+        self.ticks = numbers.map(|(x, label)| (self.place(x), label)).collect();
+        self
+    }
+}
+
+/// Smallest and largest number; 0 and 1 if there is none.
+fn bounds(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    let start = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = numbers.fold(start, |(low, high), x| (low.min(x), high.max(x)));
+    if low <= high { (low, high) } else { (0.0, 1.0) }
+}
+
+/// Whole numbers from pixel `start` to pixel `end`.
+pub fn linear_axis(numbers: impl Iterator<Item = f64>, start: f64, end: f64) -> Axis {
+    let (low, high) = bounds(numbers);
+    let high = high.max(low + 1.0);
+    let step = nice_step((high - low) / 7.0);
+    let axis = Axis {
+        low,
+        high,
+        is_log: false,
+        ends: [start, end],
+        ticks: Vec::new(),
+    };
+    let first = (low / step).ceil();
+    let ticks = (0..=20_u32)
+        .map(|i| (first + f64::from(i)) * step)
+        .take_while(|&x| x <= high);
+    axis.with_ticks(ticks.map(|x| (x, with_commas(x))))
+}
+
+/// 1, 2 or 5 times a power of ten, at least this and at least 1.
+fn nice_step(least: f64) -> f64 {
+    let unit = 10_f64.powf(least.max(1.0).log10().floor());
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|factor| factor * unit)
+        .find(|&step| step >= least * (1.0 - 1e-9))
+        .unwrap_or(10.0 * unit)
+}
+
+fn with_commas(x: f64) -> String {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a step's number"
+    )]
+    crate::report::grouped(x.max(0.0) as u64)
+}
+
+/// Shares above 0 on a logarithmic scale, from pixel `start` to pixel `end`, labelled in percent.
+pub fn log_axis(numbers: impl Iterator<Item = f64>, start: f64, end: f64) -> Axis {
+    let (low, high) = bounds(numbers);
+    let low = low.max(1e-300).log10();
+    let high = high.max(1e-300).log10();
+    // Whole decades, at least one.
+    let top = (high - 1e-9).ceil();
+    let bottom = (low + 1e-9).floor().min(top - 1.0);
+    let decades = top - bottom;
+    let axis = Axis {
+        low: bottom,
+        high: top,
+        is_log: true,
+        ends: [start, end],
+        ticks: Vec::new(),
+    };
+    let every = (decades / 8.0).ceil().max(1.0);
+    let between: &[f64] = if decades <= 2.0 {
+        &[1.0, 2.0, 5.0]
+    } else {
+        &[1.0]
+    };
+    let mut ticks = Vec::new();
+    let mut decade = bottom;
+    while decade <= top {
+        let shares = between.iter().map(|factor| factor * 10_f64.powf(decade));
+        ticks.extend(shares.filter(|share| share.log10() <= top + 1e-9));
+        decade += every;
+    }
+    axis.with_ticks(ticks.into_iter().map(|share| (share, in_percent(share))))
+}
+
+fn in_percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent > 0.9e-3 {
+        // At most one digit that is not 0, so this prints without noise.
+        let text = format!("{percent:.3}");
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        format!("{text} %")
+    } else {
+        format!("{percent:.0e} %")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis) -> Vec<&str> {
+        axis.ticks.iter().map(|(_, label)| label.as_str()).collect()
+    }
+
+    #[test]
+    fn ticks_are_numbers_that_people_like() {
+        let steps = linear_axis([0.0, 100.0].into_iter(), 0.0, 100.0);
+        assert_eq!(labels(&steps), ["0", "20", "40", "60", "80", "100"]);
+        let many = linear_axis([0.0, 3210.0].into_iter(), 0.0, 100.0);
+        assert_eq!(
+            labels(&many),
+            ["0", "500", "1,000", "1,500", "2,000", "2,500", "3,000"]
+        );
+        let few = linear_axis([0.0, 3.0].into_iter(), 0.0, 100.0);
+        assert_eq!(labels(&few), ["0", "1", "2", "3"]);
+        let shares = log_axis([1.0, 3e-4].into_iter(), 100.0, 0.0);
+        assert_eq!(labels(&shares), ["0.01 %", "0.1 %", "1 %", "10 %", "100 %"]);
+        let narrow = log_axis([0.9, 0.4].into_iter(), 100.0, 0.0);
+        assert_eq!(labels(&narrow), ["10 %", "20 %", "50 %", "100 %"]);
+        let deep = log_axis([1.0, 1e-12].into_iter(), 100.0, 0.0);
+        assert_eq!(
+            labels(&deep),
+            [
+                "1e-10 %", "1e-8 %", "1e-6 %", "1e-4 %", "0.01 %", "1 %", "100 %"
+            ]
+        );
+    }
+
+    #[test]
+    fn ends_are_where_they_belong() {
+        let axis = log_axis([1.0, 1e-3].into_iter(), 400.0, 100.0);
+        assert_eq!(
+            (axis.place(1.0), axis.place(1e-3)),
+            (100.0, 400.0),
+            "both ends"
+        );
+        assert!((axis.place(0.1) - 200.0).abs() < 1e-9, "a third of the way");
+    }
+}
