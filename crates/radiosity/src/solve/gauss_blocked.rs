@@ -156,7 +156,6 @@ impl Panel {
     /// Does to the columns of a strip what was done to the panel.
     fn bring_up_to_date(&self, strip: &mut [f64]) {
         let (n, first, width) = (self.n, self.first, self.width);
-        let mut tops = Vec::with_capacity(strip.len() / n * width);
         for column in strip.chunks_mut(n) {
             for (c, &row) in self.exchanges.iter().enumerate() {
                 column.swap(first + c, row);
@@ -166,22 +165,32 @@ impl Panel {
                 let (done, rest) = top.split_at_mut(c + 1);
                 subtract(rest, done[c], &multipliers[c + 1..]);
             }
-            tops.extend_from_slice(top);
         }
+        let groups = strip.chunks(COLUMNS * n);
+        let tops: Vec<[f64; COLUMNS]> = groups.flat_map(|columns| self.tops(columns)).collect();
         for (b, block) in self.blocks.chunks(width).enumerate() {
             let row = first + width + b * ROWS;
+            let rows = row..(row + ROWS).min(n);
             let groups = strip.chunks_mut(COLUMNS * n);
-            for (columns, tops) in groups.zip(tops.chunks(COLUMNS * width)) {
-                match columns.len() / n {
-                    COLUMNS => subtract_product::<COLUMNS>(columns, n, row, block, tops),
-                    _ => {
-                        for (column, top) in columns.chunks_mut(n).zip(tops.chunks(width)) {
-                            subtract_product::<1>(column, n, row, block, top);
-                        }
-                    }
+            for (columns, tops) in groups.zip(tops.chunks(width)) {
+                let sums = product(block, tops);
+                for (column, sums) in columns.chunks_mut(n).zip(&sums) {
+                    let rest = column[rows.clone()].iter_mut().zip(sums);
+                    rest.for_each(|(x, sum)| *x -= sum);
                 }
             }
         }
+    }
+
+    /// The panel's rows of some columns, row by row; zero for columns that are not there.
+    fn tops(&self, columns: &[f64]) -> Vec<[f64; COLUMNS]> {
+        let mut tops = vec![[0.0; COLUMNS]; self.width];
+        for (c, column) in columns.chunks(self.n).enumerate() {
+            for (top, &x) in tops.iter_mut().zip(&column[self.first..]) {
+                top[c] = x;
+            }
+        }
+        tops
     }
 }
 
@@ -197,29 +206,17 @@ fn blocks(columns: &[f64], n: usize, from: usize) -> Vec<[f64; ROWS]> {
     (from..n).step_by(ROWS).flat_map(of_rows).collect()
 }
 
-/// `rest -= multipliers · top` for the rows of one block in C columns.
-fn subtract_product<const C: usize>(
-    columns: &mut [f64],
-    n: usize,
-    row: usize,
-    block: &[[f64; ROWS]],
-    tops: &[f64],
-) {
-    let (width, count) = (block.len(), ROWS.min(n - row));
-    let tops: [&[f64]; C] = core::array::from_fn(|c| &tops[c * width..(c + 1) * width]);
-    let mut sums = [[0.0; ROWS]; C];
-    for (k, multipliers) in block.iter().enumerate() {
-        for c in 0..C {
-            let factor = tops[c][k];
+/// `multipliers · top` for the rows of one block in some columns.
+fn product(block: &[[f64; ROWS]], tops: &[[f64; COLUMNS]]) -> [[f64; ROWS]; COLUMNS] {
+    let mut sums = [[0.0; ROWS]; COLUMNS];
+    for (multipliers, top) in block.iter().zip(tops) {
+        for c in 0..COLUMNS {
             for lane in 0..ROWS {
-                sums[c][lane] = multiply_add(multipliers[lane], factor, sums[c][lane]);
+                sums[c][lane] = multiply_add(multipliers[lane], top[c], sums[c][lane]);
             }
         }
     }
-    for (column, sums) in columns.chunks_mut(n).zip(&sums) {
-        let rest = &mut column[row..row + count];
-        rest.iter_mut().zip(sums).for_each(|(x, sum)| *x -= sum);
-    }
+    sums
 }
 
 /// `a b + c`, in one instruction where there is one; elsewhere that would be a call of a function.
