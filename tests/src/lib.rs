@@ -1,5 +1,7 @@
 //! What the tests share: reference data, and the folder of real files that is not part of the project.
 
+pub mod spheres;
+
 use glam::Vec3;
 use hemicube::raster::Rgb;
 use std::path::PathBuf;
