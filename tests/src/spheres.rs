@@ -54,7 +54,11 @@ fn sphere(triangles: &mut Vec<[Vec3; 3]>, centre: Vec3, radius: f32, stacks: usi
     let point = |i: usize, j: usize| {
         let polar = i as f32 / stacks as f32 * core::f32::consts::PI;
         let azimuth = (j % slices) as f32 / slices as f32 * core::f32::consts::TAU;
-        let ring = if i % stacks == 0 { 0.0 } else { polar.sin() };
+        let ring = if i.is_multiple_of(stacks) {
+            0.0
+        } else {
+            polar.sin()
+        };
         centre + radius * Vec3::new(ring * azimuth.cos(), polar.cos(), ring * azimuth.sin())
     };
     for i in 0..stacks {

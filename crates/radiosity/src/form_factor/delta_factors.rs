@@ -2,6 +2,7 @@
 
 use crate::error::RadiosityError;
 use core::f64::consts::PI;
+use core::ops::Range;
 use glam::{Vec3, Vec4};
 use hemicube_raster::triangle::Viewport;
 
@@ -23,6 +24,14 @@ impl CubeFace {
         Self::Side(2),
         Self::Side(3),
     ];
+
+    /// Its place in [`Self::ALL`].
+    pub(super) fn number(self) -> usize {
+        match self {
+            Self::Top => 0,
+            Self::Side(side) => 1 + usize::from(side),
+        }
+    }
 
     /// Its cells, for so many along an edge of the top.
     pub fn viewport(self, resolution: usize) -> Viewport {
@@ -59,10 +68,35 @@ impl CubeFace {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeltaFactors {
     half: usize,
-    /// Cells of a quarter, row by row from the centre outwards.
+    /// Of a quarter, row by row from the centre outwards: sums over the cells before each column and over all of them.
+    /// Sums, because most cells see what their neighbours see: a run of them costs what one does.
     top: Vec<f64>,
-    /// Cells of half a side, row by row upwards from the patch's plane, from the middle outwards.
+    /// Of half a side, row by row upwards from the patch's plane, from the middle outwards: the same.
     side: Vec<f64>,
+}
+
+/// A row of cells.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DeltaRow<'a> {
+    /// Sums over the right half; the left half mirrors it.
+    sums: &'a [f64],
+}
+
+impl DeltaRow<'_> {
+    /// Sum of the factors in some columns, counted from the left.
+    pub(super) fn of(self, columns: Range<usize>) -> f64 {
+        self.left_of(columns.end) - self.left_of(columns.start)
+    }
+
+    /// From the middle to the left border of a column, negative on the left.
+    fn left_of(self, column: usize) -> f64 {
+        let half = self.sums.len() - 1;
+        if column < half {
+            -self.sums[half - column]
+        } else {
+            self.sums[column - half]
+        }
+    }
 }
 
 impl DeltaFactors {
@@ -91,47 +125,62 @@ impl DeltaFactors {
                 })
                 .collect()
         };
-        let mut factors = Self {
-            half,
-            top: table(above),
-            side: table(beside),
-        };
+        let (mut top, mut side) = (table(above), table(beside));
         // The closed forms sum to 1 but for rounding, which grows with the number of cells.
-        let sum = factors.sum();
-        let cells = factors.top.iter_mut().chain(&mut factors.side);
+        let sum = 4.0 * by_rows(&top, half) + 8.0 * by_rows(&side, half);
+        let cells = top.iter_mut().chain(&mut side);
         cells.for_each(|delta| *delta /= sum);
-        Ok(factors)
+        Ok(Self {
+            half,
+            top: running_sums(&top, half),
+            side: running_sums(&side, half),
+        })
     }
 
     /// The factor of one cell; columns count from the left and rows from above.
     pub fn at(&self, face: CubeFace, column: usize, row: usize) -> f64 {
-        let from_centre = if column < self.half {
-            self.half - 1 - column
-        } else {
-            column - self.half
-        };
-        self.half_row(face, row)[from_centre]
+        self.row(face, row).of(column..column + 1)
     }
 
     /// Sum over all cells of the five faces: 1.
     pub fn sum(&self) -> f64 {
-        // By rows first, so that rounding does not add up.
-        let total = |table: &[f64]| -> f64 {
-            let rows = table.chunks(self.half).map(|row| row.iter().sum::<f64>());
-            rows.sum()
-        };
+        let total =
+            |table: &[f64]| -> f64 { table.chunks(self.half + 1).map(|row| row[self.half]).sum() };
         4.0 * total(&self.top) + 8.0 * total(&self.side)
     }
 
-    /// Right half of a row of cells; the left half mirrors it.
-    pub(super) fn half_row(&self, face: CubeFace, row: usize) -> &[f64] {
+    /// A row of cells, counted from above.
+    pub(super) fn row(&self, face: CubeFace, row: usize) -> DeltaRow<'_> {
         let (table, from_centre) = match face {
             CubeFace::Top if row >= self.half => (&self.top, row - self.half),
             CubeFace::Top => (&self.top, self.half - 1 - row),
             CubeFace::Side(_) => (&self.side, self.half - 1 - row),
         };
-        &table[from_centre * self.half..(from_centre + 1) * self.half]
+        let len = self.half + 1;
+        DeltaRow {
+            sums: &table[from_centre * len..(from_centre + 1) * len],
+        }
     }
+}
+
+/// A sum, by rows first so that rounding does not add up.
+fn by_rows(table: &[f64], width: usize) -> f64 {
+    let rows = table.chunks(width).map(|row| row.iter().sum::<f64>());
+    rows.sum()
+}
+
+/// 0 and the running sums of each row.
+fn running_sums(table: &[f64], width: usize) -> Vec<f64> {
+    let mut sums = Vec::with_capacity(table.len() + table.len() / width);
+    for row in table.chunks(width) {
+        let mut sum = 0.0;
+        sums.push(sum);
+        sums.extend(row.iter().map(|delta| {
+            sum += delta;
+            sum
+        }));
+    }
+    sums
 }
 
 /// `∫_0^x ∫_0^y 1 / (π (1 + x² + y²)²)`: factor to a rectangle at height 1 parallel to the element, corner above it.

@@ -27,19 +27,26 @@
 //! Rows of clusters panic. Where elements of different size meet, a cell may look through the seam. A patch wider than 16 hemicubes do justice to keeps an error towards what touches it
 //! inside its outline, such as furniture on a floor; smaller patches end it.
 
+mod seen;
+
+use self::seen::{Corners, Receiver, Seen};
 use crate::error::RadiosityError;
 pub use crate::form_factor::delta_factors::{CubeFace, DeltaFactors};
 use crate::form_factor::polygon::{FlatPolygon, exchange_area};
 use crate::form_factor::{FormFactors, Row};
-use crate::patch::face::Side;
-use crate::patch::{NodeId, NodeKind, PatchMesh};
+use crate::patch::{NodeId, PatchMesh};
 use crate::sampling::{hash, point2};
 use core::f64::consts::PI;
-use glam::{Vec3, Vec4};
+use core::ops::Range;
+use glam::Vec3;
 use hemicube_raster::Rgb;
-use hemicube_raster::triangle::{ClipVertex, Cull, DepthBuffer, Viewport, draw_ids, draw_triangle};
+use hemicube_raster::triangle::{
+    ClipVertex, Cull, DepthBuffer, Viewport, draw_ids, draw_quad_ids, draw_triangle,
+};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use wide::i32x8;
 
 /// Cells below which a receiver's factor is integrated instead of counted.
 const FEW_CELLS: f64 = 10.0;
@@ -108,8 +115,8 @@ pub struct Hemicube {
     options: HemicubeOptions,
     deltas: DeltaFactors,
     bands: usize,
-    /// Of each element: radius around its centroid.
-    radii: Vec<f32>,
+    /// One for each element.
+    receivers: Vec<Receiver>,
     /// Whether light passes through an element.
     layered: bool,
     /// Buffers that are not in use.
@@ -128,15 +135,12 @@ impl Hemicube {
                 options.max_points
             )));
         }
-        let radius = |&id: &NodeId| {
-            let (polygon, centre) = (mesh.polygon(id), mesh.node(id).centroid);
-            let distances = polygon.iter().map(|c| c.distance(centre));
-            distances.fold(0.0, f32::max)
-        };
         Ok(Self {
             deltas: DeltaFactors::new(options.resolution)?,
             bands: if mesh.visibility().is_tinted() { 3 } else { 1 },
-            radii: mesh.elements().iter().map(radius).collect(),
+            receivers: (0..mesh.elements().len())
+                .map(|element| Receiver::new(&mesh, element))
+                .collect(),
             layered: mesh.transmittance().iter().any(|t| !t.is_black()),
             spare: Mutex::new(Vec::new()),
             options,
@@ -161,7 +165,7 @@ impl Hemicube {
 
     /// The item buffers of a node's first hemicube.
     pub fn item_buffers(&self, source: NodeId) -> ItemBuffers {
-        let seen = self.transform(&self.views(source)[0]);
+        let seen = self.see(&self.views(source)[0]);
         let public = |item: &u32| match Item::unpack(*item) {
             None => ItemBuffers::NOTHING,
             Some(Item { is_back: true, .. }) => ItemBuffers::ABSORBED,
@@ -177,6 +181,28 @@ impl Hemicube {
                 items
             }),
         }
+    }
+
+    /// Draws the hemicubes of a node on this thread, for nothing but to know where the time goes.
+    pub fn stage_times(&self, source: NodeId) -> StageTimes {
+        let mut times = StageTimes::default();
+        let mut buffers = self.buffers();
+        for view in self.views(source) {
+            let start = Instant::now();
+            let seen = self.see(&view);
+            times.transform += start.elapsed();
+            for face in CubeFace::ALL {
+                let start = Instant::now();
+                self.draw(&seen, face, &mut buffers);
+                let drawn = Instant::now();
+                self.tally(&seen, face, &mut buffers);
+                times.raster += drawn - start;
+                times.sum += drawn.elapsed();
+            }
+            times.hemicubes += 1;
+        }
+        self.give_back(buffers);
+        times
     }
 
     /// The points at which hemicubes stand on a node.
@@ -231,15 +257,18 @@ impl Hemicube {
             _ => 4,
         };
         let floor = 2.0 * mesh.visibility().offset(node.centroid);
-        let nearest = (0..mesh.elements().len())
-            .filter(|&e| mesh.exposed_area(e) > 0.0)
-            .filter(|&e| {
+        let nearest = (0..)
+            .zip(&self.receivers)
+            .filter(|(_, receiver)| receiver.is_exposed)
+            .filter(|&(e, _): &(usize, _)| {
                 let corners = mesh.polygon(mesh.elements()[e]);
                 corners
                     .iter()
                     .any(|&c| (c - node.centroid).dot(node.normal) > floor)
             })
-            .fold(3.0 * edge, |best, e| self.nearer(node.centroid, e, best));
+            .fold(3.0 * edge, |best, (e, receiver)| {
+                receiver.nearer(mesh, mesh.elements()[e], node.centroid, best)
+            });
         if nearest >= 3.0 * edge {
             1
         } else if nearest >= 1.25 * edge {
@@ -249,95 +278,8 @@ impl Hemicube {
         }
     }
 
-    /// The distance from a point to an element if it is less than `best`, else `best`.
-    fn nearer(&self, point: Vec3, element: usize, best: f32) -> f32 {
-        let id = self.mesh.elements()[element];
-        let node = self.mesh.node(id);
-        let offset = point - node.centroid;
-        let reach = best + self.radii[element];
-        if offset.length_squared() >= reach * reach || offset.dot(node.normal).abs() >= best {
-            return best;
-        }
-        distance_to_polygon(point, &self.mesh.polygon(id), node.normal).min(best)
-    }
-
-    /// Everything above a hemicube's plane in its own frame.
-    fn transform(&self, view: &View) -> Seen {
-        let mesh = &*self.mesh;
-        let [t, b, n] = view.axes;
-        let vertices: Vec<Vec3> = mesh
-            .vertices()
-            .iter()
-            .map(|&v| {
-                let d = v - view.origin;
-                Vec3::new(d.dot(t), d.dot(b), d.dot(n))
-            })
-            .collect();
-        let mut items = Vec::new();
-        let mut nearest = mesh.visibility().diameter();
-        for (element, &id) in mesh.elements().iter().enumerate() {
-            let is_above = |&c: &u32| vertices[c as usize].z > 0.0;
-            if !mesh.corners(id).iter().any(is_above) {
-                continue;
-            }
-            let node = mesh.node(id);
-            let NodeKind::Surface { face, side } = node.kind else {
-                unreachable!("elements are surfaces")
-            };
-            let from_behind = (view.origin - node.centroid).dot(node.normal) <= 0.0;
-            // The other side of a double-sided face is an element of its own.
-            let both_receive = mesh.visibility().receives(face as usize, Side::Back);
-            debug_assert!(
-                both_receive || side == Side::Front,
-                "backs of one-sided faces are no elements"
-            );
-            if from_behind && both_receive {
-                continue;
-            }
-            nearest = self.nearer(view.origin, element, nearest);
-            let item = Item {
-                element,
-                is_back: from_behind || mesh.exposed_area(element) == 0.0,
-            };
-            items.push((id, item.pack()));
-        }
-        // A point at this distance is at least 1/√3 of it before one of the faces; the depth buffer is the finer the
-        // farther its near plane.
-        let near = (0.57 * nearest).max(mesh.visibility().offset(view.origin));
-        Seen {
-            vertices,
-            items,
-            near,
-        }
-    }
-
-    /// Calls `draw` with each triangle that may be in the picture of a face.
-    fn for_each_triangle(
-        &self,
-        seen: &Seen,
-        face: CubeFace,
-        mut draw: impl FnMut(&[Vec4; 3], u32),
-    ) {
-        for &(id, item) in &seen.items {
-            let indices = self.mesh.corners(id);
-            let mut corners = [Vec4::ZERO; 4];
-            for (corner, &i) in corners.iter_mut().zip(indices) {
-                *corner = face.clip(seen.vertices[i as usize], seen.near);
-            }
-            let corners = &corners[..indices.len()];
-            let is_outside = corners.iter().all(|c| c.z < 0.0)
-                || corners.iter().all(|c| c.x > c.w)
-                || corners.iter().all(|c| c.x < -c.w)
-                || corners.iter().all(|c| c.y > c.w)
-                || corners.iter().all(|c| c.y < -c.w);
-            if is_outside {
-                continue;
-            }
-            draw(&[corners[0], corners[1], corners[2]], item);
-            if let Some(&last) = corners.get(3) {
-                draw(&[corners[0], corners[2], last], item);
-            }
-        }
+    fn see(&self, view: &View) -> Seen {
+        Seen::new(&self.mesh, &self.receivers, view)
     }
 
     /// The item buffer of one face.
@@ -345,9 +287,16 @@ impl Hemicube {
         let viewport = face.viewport(self.options.resolution as usize);
         buffers.clear(viewport);
         let (depth, items) = (&mut buffers.depth, &mut buffers.items);
-        self.for_each_triangle(seen, face, |triangle, item| {
+        seen.for_each_element(face, |corners, item| {
             let rows = 0..viewport.height;
-            draw_ids(rows, viewport, Cull::None, triangle, item, depth, items);
+            match corners {
+                Corners::Triangle(triangle) => {
+                    draw_ids(rows, viewport, Cull::None, triangle, item, depth, items);
+                }
+                Corners::Quad(quad) => {
+                    draw_quad_ids(rows, viewport, Cull::None, quad, item, depth, items);
+                }
+            }
         });
     }
 
@@ -361,24 +310,25 @@ impl Hemicube {
             before,
             ..
         } = buffers;
-        self.for_each_triangle(seen, face, |triangle, item| {
-            let vertices = triangle.map(|position| ClipVertex::new(position, []));
-            let rows = 0..viewport.height;
-            draw_triangle(
-                rows,
-                viewport,
-                Cull::None,
-                &vertices,
-                depth,
-                |x, y, z, _| {
-                    let cell = y * viewport.width + x;
-                    let is_behind = z > before[cell];
-                    if is_behind {
-                        items[cell] = item;
-                    }
-                    is_behind
-                },
-            );
+        seen.for_each_element(face, |corners, item| {
+            for triangle in corners.triangles() {
+                let vertices = triangle.map(|position| ClipVertex::new(position, []));
+                draw_triangle(
+                    0..viewport.height,
+                    viewport,
+                    Cull::None,
+                    &vertices,
+                    depth,
+                    |x, y, z, _| {
+                        let cell = y * viewport.width + x;
+                        let is_behind = z > before[cell];
+                        if is_behind {
+                            items[cell] = item;
+                        }
+                        is_behind
+                    },
+                );
+            }
         });
     }
 
@@ -386,13 +336,17 @@ impl Hemicube {
     fn face_tally(&self, seen: &Seen, face: CubeFace) -> Tally {
         let mut buffers = self.buffers();
         self.draw(seen, face, &mut buffers);
-        let tally = if self.layered {
-            self.peel(seen, face, &mut buffers)
-        } else {
-            self.sum(face, &mut buffers)
-        };
+        let tally = self.tally(seen, face, &mut buffers);
         self.give_back(buffers);
         tally
+    }
+
+    fn tally(&self, seen: &Seen, face: CubeFace, buffers: &mut Buffers) -> Tally {
+        if self.layered {
+            self.peel(seen, face, buffers)
+        } else {
+            self.sum(face, buffers)
+        }
     }
 
     /// Sums the delta factors of an item buffer without transparency.
@@ -411,18 +365,8 @@ impl Hemicube {
             }
         };
         for (row, items) in buffers.items.chunks(width).enumerate() {
-            // Runs of cells with the same item are added up before the item is looked up.
-            let (mut run, mut share) = (items[0], 0.0);
-            let half_row = self.deltas.half_row(face, row);
-            let mirrored = half_row.iter().rev().chain(half_row);
-            items.iter().zip(mirrored).for_each(|(&item, &delta)| {
-                if item != run {
-                    add(run, share);
-                    (run, share) = (item, 0.0);
-                }
-                share += delta;
-            });
-            add(run, share);
+            let shares = self.deltas.row(face, row);
+            for_each_run(items, |item, cells| add(item, shares.of(cells)));
         }
         tally.escaped = [tally.escaped[0]; 3];
         tally.absorbed = [tally.absorbed[0]; 3];
@@ -511,7 +455,7 @@ impl Hemicube {
             let to = mesh.node(id);
             let offset = to.centroid - node.centroid;
             let distance2 = offset.length_squared();
-            let reach = 2.0 * (radius + self.radii[e]);
+            let reach = 2.0 * (radius + self.receivers[e].radius);
             let cosines = offset.dot(node.normal) * -offset.dot(to.normal) / distance2;
             if distance2 < reach * reach || cosines < 1e-6 || mesh.exposed_area(e) == 0.0 {
                 return None;
@@ -567,7 +511,7 @@ impl FormFactors for Hemicube {
         let mut received = vec![[0.0; 3]; self.mesh.elements().len()];
         let (mut absorbed, mut escaped) = ([0.0; 3], [0.0; 3]);
         for views in views.chunks(VIEWS_AT_ONCE) {
-            let seen: Vec<Seen> = views.par_iter().map(|v| self.transform(v)).collect();
+            let seen: Vec<Seen> = views.par_iter().map(|view| self.see(view)).collect();
             let tallies: Vec<Tally> = (0..5 * views.len())
                 .into_par_iter()
                 .map(|i| self.face_tally(&seen[i / 5], CubeFace::ALL[i % 5]))
@@ -612,6 +556,48 @@ impl Hemicube {
     }
 }
 
+/// Calls `run` with each item of a row and the columns in which it is seen in succession.
+fn for_each_run(items: &[u32], mut run: impl FnMut(u32, Range<usize>)) {
+    let mut start = 0;
+    let mut end_at = |end: usize| {
+        run(items[start], start..end);
+        start = end;
+    };
+    // Most cells see what their neighbour sees: eight are compared at once.
+    let pairs = items.len() - 1;
+    let groups = pairs / 8 * 8;
+    let eight = |from: usize| -> i32x8 {
+        let items: [u32; 8] = items[from..from + 8].try_into().expect("eight items");
+        bytemuck::cast(items)
+    };
+    for group in (0..groups).step_by(8) {
+        let mut ends = !eight(group).simd_eq(eight(group + 1)).to_bitmask() & 0xff;
+        while ends != 0 {
+            end_at(group + ends.trailing_zeros() as usize + 1);
+            ends &= ends - 1;
+        }
+    }
+    for cell in groups..pairs {
+        if items[cell] != items[cell + 1] {
+            end_at(cell + 1);
+        }
+    }
+    end_at(items.len());
+}
+
+/// How long the hemicubes of a row take on one thread, see [`Hemicube::stage_times`].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct StageTimes {
+    /// Hemicubes drawn.
+    pub hemicubes: usize,
+    /// Bringing everything into their frames, and finding what may appear on which face.
+    pub transform: Duration,
+    /// Clearing and drawing item buffers.
+    pub raster: Duration,
+    /// Summing delta form factors by item, or peeling layers where light passes through elements.
+    pub sum: Duration,
+}
+
 /// Where a hemicube stands.
 #[derive(Debug, Clone, Copy)]
 struct View {
@@ -619,17 +605,6 @@ struct View {
     /// Two axes in the patch's plane and its normal.
     axes: [Vec3; 3],
     weight: f64,
-}
-
-/// What may be seen from a hemicube.
-#[derive(Debug)]
-struct Seen {
-    /// The mesh's vertices in the hemicube's frame.
-    vertices: Vec<Vec3>,
-    /// Elements above the plane with their packed items.
-    items: Vec<(NodeId, u32)>,
-    /// Distance of the near planes.
-    near: f32,
 }
 
 /// What a cell sees.
@@ -774,6 +749,28 @@ fn to_f32(x: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn runs_of_a_row_are_those_of_a_plain_walk() {
+        for width in [1, 2, 7, 8, 9, 16, 17, 64, 500] {
+            for density in [1, 2, 30] {
+                let item = |i: u64| {
+                    u32::try_from(hash(density, i) % 7 / (1 + i % density)).expect("small")
+                };
+                let items: Vec<u32> = (0..width).map(item).collect();
+                let mut expected: Vec<(u32, Range<usize>)> = Vec::new();
+                for (cell, &item) in items.iter().enumerate() {
+                    match expected.last_mut() {
+                        Some((last, cells)) if *last == item => cells.end = cell + 1,
+                        _ => expected.push((item, cell..cell + 1)),
+                    }
+                }
+                let mut runs = Vec::new();
+                for_each_run(&items, |item, cells| runs.push((item, cells)));
+                assert_eq!(runs, expected, "{width} cells, density {density}");
+            }
+        }
+    }
 
     #[test]
     fn distances_to_a_square() {
