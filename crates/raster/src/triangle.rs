@@ -13,7 +13,7 @@
 //!
 //! Depth `z/w` and `1/w` and `attribute/w` are linear on the screen. Their slopes are computed once per triangle, their
 //! values at the start of each row's span, and along the span the slope is added; `attribute = (attribute/w) / (1/w)`.
-//! Depths start anew every eight columns, counted from the triangle's first, so that eight of them are computed at once.
+//! Depths start anew at every eighth column of the picture, so that eight of them are computed at once.
 //!
 //! Every row is computed by itself from the triangle. Drawing a picture in bands of rows, one thread each, gives the
 //! same bits as drawing it at once.
@@ -442,53 +442,43 @@ impl Slopes {
     }
 }
 
-/// Depths of a facet: in f64 at the start of every eighth column, counted from its first, and from there in f32, so that
-/// eight fit a SIMD register and do not wait for each other.
+/// Depths of a facet: in f64 at every eighth column of the picture, and from there in f32, so that eight fit a SIMD
+/// register and do not wait for each other.
 #[derive(Debug, Clone, Copy)]
 struct Depths {
     slopes: Slopes,
     slope: f32,
     low: f32,
     high: f32,
-    /// The facet's first column.
-    first: i64,
-    /// From the facet's first corner to the centre of its first column, in pixels.
-    offset_x: f64,
-    /// From the facet's first corner to the centre of row 0, in pixels.
-    offset_y: f64,
+    /// From the facet's first corner to the centre of pixel (0, 0), in pixels.
+    offset: DVec2,
 }
 
 impl Depths {
     #[inline(always)]
     fn new<const N: usize>(facet: &Facet<N>) -> Self {
         let slopes = facet.slopes(|corner| corner.z);
-        let [a, ..] = facet.corners;
-        let [first, _] = facet.columns;
-        let pixels = |subpixels: i64| subpixels as f64 / SUBPIXELS as f64;
         Self {
             slope: narrow(slopes.dx),
             low: narrow(slopes.low),
             high: narrow(slopes.high),
             slopes,
-            first,
-            offset_x: pixels(first * SUBPIXELS + CENTRE - a.x),
-            offset_y: pixels(CENTRE - a.y),
+            offset: facet.offset(0, 0),
         }
     }
 
-    /// Before clamping, at the start of the group `group` columns from the first.
+    /// Before clamping, at the column `group` that starts a group.
     #[inline(always)]
     fn of_group(&self, row: i64, group: usize) -> f32 {
         let Slopes { origin, dx, dy, .. } = self.slopes;
-        let of_row = origin + dx * self.offset_x + dy * (row as f64 + self.offset_y);
+        let of_row = origin + dx * self.offset.x + dy * (row as f64 + self.offset.y);
         narrow(of_row + dx * group as f64)
     }
 
     /// At a pixel.
     fn at(&self, column: usize, row: usize) -> f32 {
-        let from_first = column - pixel_index(self.first);
-        let step = from_first % items::GROUP;
-        let z = self.of_group(row as i64, from_first - step) + self.slope * step as f32;
+        let step = column % items::GROUP;
+        let z = self.of_group(row as i64, column - step) + self.slope * step as f32;
         let z = if z > self.low { z } else { self.low };
         if z < self.high { z } else { self.high }
     }
@@ -581,8 +571,9 @@ impl<'a, const N: usize> Facet<'a, N> {
 
 /// The first and the last pixel of a range whose centres lie within the corners' extent along one axis: on its lower end
 /// (a top or left side) they count, on its upper end they do not.
-fn centres(pixels: Range<usize>, [a, b, c]: [i64; 3]) -> [i64; 2] {
-    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+fn centres<const C: usize>(pixels: Range<usize>, corners: [i64; C]) -> [i64; 2] {
+    let low = corners.iter().fold(i64::MAX, |low, &c| low.min(c));
+    let high = corners.iter().fold(i64::MIN, |high, &c| high.max(c));
     let first_from = |bound: i64| (bound - CENTRE + SUBPIXELS - 1).div_euclid(SUBPIXELS);
     [
         first_from(low).max(pixels.start as i64),

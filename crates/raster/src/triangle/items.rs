@@ -3,13 +3,14 @@
 //! Pixels and depths are those of [`draw_triangle`](super::draw_triangle), bit for bit; where the way to them differs:
 //! 1. Most triangles need no clipping, which a few comparisons of all corners at once tell. The corners of a quad are
 //!    projected together.
-//! 2. A triangle of up to eight columns finds its pixels by the signs of its three edge functions, eight columns at
-//!    once, without the divisions that the ends of spans cost.
+//! 2. A small triangle finds its pixels by the signs of its three edge functions, eight columns at once, without the
+//!    divisions that the ends of spans cost. So do the two triangles of a quad, in one walk over its box: where the
+//!    diagonal's edge function is negative the pixel belongs to the second.
 //! 3. Spans are drawn in groups of eight with a mask at both ends. Left to itself, a compiler unrolls such loops for
 //!    spans far longer than those of elements.
 
 use super::{
-    CENTRE, Clipping, Corner, Cull, Facet, SUBPIXELS, Viewport, check_band, doubled_area,
+    CENTRE, Clipping, Corner, Cull, Facet, SUBPIXELS, Viewport, centres, check_band, doubled_area,
     for_each_facet_of, narrow, pixel_index,
 };
 use crate::clip::ClipVertex;
@@ -17,8 +18,11 @@ use core::ops::Range;
 use glam::{Mat4, Vec4};
 use wide::{f32x8, f64x4, i32x8};
 
-/// Pixels of a group: a facet's columns are counted from its first by eights.
+/// Pixels of a group: every eighth column of the picture starts one.
 pub(super) const GROUP: usize = 8;
+
+/// The widest boxes that are walked in full, in groups. Beyond, spans find the pixels with less work.
+const FEW_GROUPS: usize = 4;
 
 /// The longest extent in sub-pixels with which edge functions fit into 32 bits: each of their two products then stays
 /// below 2^14 × (2^14 + 2^12).
@@ -99,17 +103,41 @@ impl<'a> Target<'a> {
     fn draw(&mut self, positions: &[Vec4; 4], triangles: &[[usize; 3]]) {
         match project(positions, self.viewport) {
             Projected::Unseen => {}
+            Projected::Inside(corners) if triangles.len() == 2 => self.quad(&corners),
             Projected::Inside(corners) => {
-                for &triangle in triangles {
-                    let [a, b, c] = triangle.map(|k| &corners[k]);
-                    let area = doubled_area([a, b, c]);
-                    if area > 0 && self.cull == Cull::None || area < 0 {
-                        let facet = Facet::new(&self.rows, self.viewport, [a, b, c], area);
-                        facet.iter().for_each(|facet| self.facet(facet));
-                    }
-                }
+                let [a, b, c, _] = corners.each_ref();
+                self.triangle([a, b, c], doubled_area([a, b, c]));
             }
             Projected::Unclear => self.draw_clipped(positions, triangles),
+        }
+    }
+
+    /// A triangle of known doubled area.
+    #[inline(always)]
+    fn triangle(&mut self, corners: [&Corner<0>; 3], area: i64) {
+        if area > 0 && self.cull == Cull::None || area < 0 {
+            let facet = Facet::new(&self.rows, self.viewport, corners, area);
+            facet.iter().for_each(|facet| self.facet(facet));
+        }
+    }
+
+    #[inline(always)]
+    fn quad(&mut self, corners: &[Corner<0>; 4]) {
+        let [a, b, c, d] = corners.each_ref();
+        let areas = [doubled_area([a, b, c]), doubled_area([a, c, d])];
+        let is_culled = self.cull == Cull::Back && areas[0] >= 0 && areas[1] >= 0;
+        if is_culled {
+            return;
+        }
+        // Of opposite signs, the triangles overlap.
+        if areas[0].signum() * areas[1].signum() > 0
+            && let Some(extent) = Extent::new(&self.rows, self.viewport, corners)
+            && extent.is_small(corners)
+        {
+            self.small_quad(corners, areas, &extent);
+        } else {
+            self.triangle([a, b, c], areas[0]);
+            self.triangle([a, c, d], areas[1]);
         }
     }
 
@@ -126,59 +154,101 @@ impl<'a> Target<'a> {
     #[inline(always)]
     fn facet(&mut self, facet: &Facet<0>) {
         let depths = GroupDepths::new(facet);
-        let [first, last] = facet.columns;
-        let has_one_group = last - first < GROUP as i64;
-        let fits = pixel_index(first) + GROUP <= self.viewport.width;
-        if has_one_group && fits && facet.is_small() {
-            self.one_group(facet, &depths);
+        let extent = Extent {
+            columns: facet.columns,
+            rows: facet.rows,
+            width: self.viewport.width,
+        };
+        let [a, b, c] = facet.corners;
+        if extent.is_small(&[*a, *b, *c]) {
+            self.small_triangle(facet, &depths, &extent);
         } else {
             self.spans(facet, &depths);
         }
     }
 
-    /// A facet of at most eight columns.
     #[inline(always)]
-    fn one_group(&mut self, facet: &Facet<0>, depths: &GroupDepths) {
+    fn small_triangle(&mut self, facet: &Facet<0>, depths: &GroupDepths, extent: &Extent) {
         let [a, b, c] = facet.corners;
-        let [first, _] = facet.columns;
-        let [top, bottom] = facet.rows;
-        let mut edges = [
-            Edge::new(a, b, first, top),
-            Edge::new(b, c, first, top),
-            Edge::new(c, a, first, top),
-        ];
-        let mut start =
-            (pixel_index(top) - self.rows.start) * self.viewport.width + pixel_index(first);
-        for row in top..=bottom {
-            let outside = edges[0].value | edges[1].value | edges[2].value;
-            let z = depths.group(row, 0);
-            self.blend(start, z, outside);
-            edges.iter_mut().for_each(Edge::step_down);
-            start += self.viewport.width;
+        let sides = [Edge::new(a, b), Edge::new(b, c), Edge::new(c, a)];
+        for group in extent.groups() {
+            let mut edges = sides.map(|side| side.at(group, extent.rows[0]));
+            let mut start = self.start(group, extent);
+            for row in extent.rows[0]..=extent.rows[1] {
+                let outside = edges[0].value | edges[1].value | edges[2].value;
+                self.blend(start, depths.group(row, group), outside);
+                edges.iter_mut().for_each(EdgeOfGroup::step_down);
+                start += self.viewport.width;
+            }
         }
+    }
+
+    #[inline(always)]
+    fn small_quad(&mut self, corners: &[Corner<0>; 4], areas: [i64; 2], extent: &Extent) {
+        let [a, b, c, d] = corners.each_ref();
+        let first = extent.facet([a, b, c], areas[0]);
+        let second = extent.facet([a, c, d], areas[1]);
+        let [a, b, c, d] = if areas[0] > 0 {
+            [a, b, c, d]
+        } else {
+            [a, d, c, b]
+        };
+        // Turned around, the second triangle comes first.
+        let facets = if areas[0] > 0 {
+            [&first, &second]
+        } else {
+            [&second, &first]
+        };
+        let depths = facets.map(GroupDepths::new);
+        let sides = [
+            Edge::new(a, b),
+            Edge::new(b, c),
+            Edge::new(c, d),
+            Edge::new(d, a),
+            Edge::new(c, a),
+        ];
+        for group in extent.groups() {
+            let mut edges = sides.map(|side| side.at(group, extent.rows[0]));
+            let mut start = self.start(group, extent);
+            for row in extent.rows[0]..=extent.rows[1] {
+                let [ab, bc, cd, da, ca] = edges.map(|edge| edge.value);
+                let in_second: i32x8 = ca >> 31_i32;
+                let outside = ((ab | bc) & !in_second) | ((cd | da) & in_second);
+                let is_second: f32x8 = bytemuck::cast(in_second);
+                let z =
+                    is_second.bitselect(depths[1].group(row, group), depths[0].group(row, group));
+                self.blend(start, z, outside);
+                edges.iter_mut().for_each(EdgeOfGroup::step_down);
+                start += self.viewport.width;
+            }
+        }
+    }
+
+    /// Index of the first pixel of a group in the uppermost row.
+    #[inline(always)]
+    fn start(&self, group: usize, extent: &Extent) -> usize {
+        (pixel_index(extent.rows[0]) - self.rows.start) * self.viewport.width + group
     }
 
     /// A facet of any size.
     #[inline(always)]
     fn spans(&mut self, facet: &Facet<0>, depths: &GroupDepths) {
         let width = self.viewport.width;
-        let base = pixel_index(facet.columns[0]);
         let top = self.rows.start;
         facet.for_each_span(|y, columns| {
             let row = (y - top) * width;
-            let [start, end] = [columns.start - base, columns.end - base];
-            let first_group = start / GROUP * GROUP;
-            for group in (first_group..end).step_by(GROUP) {
+            let first_group = columns.start / GROUP * GROUP;
+            for group in (first_group..columns.end).step_by(GROUP) {
                 let z = depths.group(y as i64, group);
-                if base + group + GROUP <= width {
+                if group + GROUP <= width {
                     let lanes = lanes() + i32x8::splat(small(group));
-                    let outside =
-                        lanes - i32x8::splat(small(start)) | i32x8::splat(small(end) - 1) - lanes;
-                    self.blend(row + base + group, z, outside);
+                    let outside = (lanes - i32x8::splat(small(columns.start)))
+                        | (i32x8::splat(small(columns.end) - 1) - lanes);
+                    self.blend(row + group, z, outside);
                 } else {
                     let z = z.to_array();
-                    for column in start.max(group)..end {
-                        let pixel = row + base + column;
+                    for column in columns.start.max(group)..columns.end {
+                        let pixel = row + column;
                         if z[column - group] < self.depth[pixel] {
                             self.depth[pixel] = z[column - group];
                             self.ids[pixel] = self.id;
@@ -199,7 +269,7 @@ impl<'a> Target<'a> {
             .try_into()
             .expect("a group has eight pixels");
         let nearest = f32x8::from(*depth);
-        let outside: f32x8 = bytemuck::cast(outside >> 31);
+        let outside: f32x8 = bytemuck::cast(outside >> 31_i32);
         let wins = !outside & z.simd_lt(nearest);
         let items: f32x8 = bytemuck::cast(*ids);
         let id: f32x8 = bytemuck::cast([self.id; GROUP]);
@@ -289,47 +359,115 @@ fn snap(pixels: f64x4) -> [i64; 4] {
     shifted.map(|s| s.to_bits() as i64 - SHIFT.to_bits() as i64)
 }
 
-/// An edge function at eight neighbouring pixels: negative outside.
+/// The pixels of a box around some corners, at least one.
+#[derive(Clone, Copy)]
+struct Extent {
+    columns: [i64; 2],
+    rows: [i64; 2],
+    /// Of the picture.
+    width: usize,
+}
+
+impl Extent {
+    /// `None` if no centre of a pixel of the rows is in the box.
+    #[inline(always)]
+    fn new(rows: &Range<usize>, viewport: Viewport, corners: &[Corner<0>; 4]) -> Option<Self> {
+        let columns = centres(0..viewport.width, corners.each_ref().map(|c| c.x));
+        let rows = centres(rows.clone(), corners.each_ref().map(|c| c.y));
+        (columns[0] <= columns[1] && rows[0] <= rows[1]).then_some(Self {
+            columns,
+            rows,
+            width: viewport.width,
+        })
+    }
+
+    /// First columns of the groups.
+    #[inline(always)]
+    fn groups(&self) -> impl Iterator<Item = usize> + use<> {
+        let [first, last] = self.columns.map(pixel_index);
+        (first / GROUP * GROUP..=last).step_by(GROUP)
+    }
+
+    /// Whether the box is narrow, does not end in part of a group, and edge functions at its pixels fit into 32 bits.
+    #[inline(always)]
+    fn is_small<const C: usize>(&self, corners: &[Corner<0>; C]) -> bool {
+        let [first, last] = self.columns.map(|column| pixel_index(column) / GROUP);
+        let range = |of: fn(&Corner<0>) -> i64| {
+            let (low, high) = corners
+                .iter()
+                .map(of)
+                .fold((i64::MAX, i64::MIN), |(low, high), c| {
+                    (low.min(c), high.max(c))
+                });
+            high - low
+        };
+        last - first < FEW_GROUPS
+            && (last + 1) * GROUP <= self.width
+            && range(|c| c.x).max(range(|c| c.y)) <= SMALL
+    }
+
+    /// A triangle within.
+    #[inline(always)]
+    fn facet<'a>(&self, [a, b, c]: [&'a Corner<0>; 3], area: i64) -> Facet<'a, 0> {
+        let [b, c] = if area > 0 { [b, c] } else { [c, b] };
+        Facet {
+            corners: [a, b, c],
+            inverse_area: (SUBPIXELS * SUBPIXELS) as f64 / area.abs() as f64,
+            columns: self.columns,
+            rows: self.rows,
+        }
+    }
+}
+
+/// The edge function of a side of a small facet, negative outside.
 #[derive(Clone, Copy)]
 struct Edge {
-    value: i32x8,
-    per_row: i32x8,
+    /// At the centre of pixel (0, 0).
+    origin: i64,
+    per_column: i64,
+    per_row: i64,
 }
 
 impl Edge {
-    /// From a to b, at eight pixels from `column` in `row`.
+    /// From a to b, clockwise around the facet.
+    #[inline(always)]
+    fn new(a: &Corner<0>, b: &Corner<0>) -> Self {
+        let (dx, dy) = (b.x - a.x, b.y - a.y);
+        // A centre on a top or left edge is inside.
+        let is_inside_on = dy < 0 || dy == 0 && dx > 0;
+        Self {
+            origin: dx * (CENTRE - a.y) - dy * (CENTRE - a.x) - i64::from(!is_inside_on),
+            per_column: -dy * SUBPIXELS,
+            per_row: dx * SUBPIXELS,
+        }
+    }
+
+    /// At eight pixels from a column in a row.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "facets that are small keep it within 32 bits"
     )]
     #[inline(always)]
-    fn new(a: &Corner<0>, b: &Corner<0>, column: i64, row: i64) -> Self {
-        let (dx, dy) = (b.x - a.x, b.y - a.y);
-        // A centre on a top or left edge is inside.
-        let is_inside_on = dy < 0 || dy == 0 && dx > 0;
-        let to_row = row * SUBPIXELS + CENTRE - a.y;
-        let to_column = column * SUBPIXELS + CENTRE - a.x;
-        let start = dx * to_row - dy * to_column - i64::from(!is_inside_on);
-        Self {
-            value: i32x8::splat(start as i32) - lanes() * i32x8::splat((dy * SUBPIXELS) as i32),
-            per_row: i32x8::splat((dx * SUBPIXELS) as i32),
+    fn at(self, column: usize, row: i64) -> EdgeOfGroup {
+        let start = self.origin + self.per_column * column as i64 + self.per_row * row;
+        EdgeOfGroup {
+            value: i32x8::splat(start as i32) + lanes() * i32x8::splat(self.per_column as i32),
+            per_row: i32x8::splat(self.per_row as i32),
         }
-    }
-
-    #[inline(always)]
-    fn step_down(&mut self) {
-        self.value += self.per_row;
     }
 }
 
-impl Facet<'_, 0> {
-    /// Whether edge functions at its pixels fit into 32 bits.
+/// An edge function at eight neighbouring pixels.
+#[derive(Clone, Copy)]
+struct EdgeOfGroup {
+    value: i32x8,
+    per_row: i32x8,
+}
+
+impl EdgeOfGroup {
     #[inline(always)]
-    fn is_small(&self) -> bool {
-        let [a, b, c] = self.corners;
-        let width = a.x.max(b.x).max(c.x) - a.x.min(b.x).min(c.x);
-        let height = a.y.max(b.y).max(c.y) - a.y.min(b.y).min(c.y);
-        width.max(height) <= SMALL
+    fn step_down(&mut self) {
+        self.value += self.per_row;
     }
 }
 
