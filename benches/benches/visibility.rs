@@ -19,13 +19,17 @@ use std::time::{Duration, Instant};
 
 const ROUNDS: usize = 9;
 
-/// Segments for which one way says whether they are clear, or at which distance they meet something.
+type Segment = (Vec3, Vec3);
+
+/// What one way says of segments: 0 if one is clear and 1 if not, or at which distance it meets something.
 type Answers = Vec<f32>;
 
+type Ask<'a> = Box<dyn Fn(&[Segment]) -> Answers + 'a>;
+
 struct Way<'a> {
-    name: String,
-    ask: Box<dyn Fn(&[(Vec3, Vec3)]) -> Answers + 'a>,
-    /// Whether the answers are distances; else 0 for clear and 1 for blocked.
+    name: &'static str,
+    ask: Ask<'a>,
+    /// Whether the answers are distances.
     measures: bool,
 }
 
@@ -85,77 +89,70 @@ impl Peers {
     }
 }
 
-fn ray((from, to): (Vec3, Vec3)) -> Ray {
+fn ray((from, to): Segment) -> Ray {
     let length = from.distance(to);
     Ray::new(from.into(), ((to - from) / length).into(), 0.0, length)
 }
 
+/// A way that asks for any hit, one segment after the other.
+fn any_hit<'a>(name: &'static str, is_clear: impl Fn(Segment) -> bool + 'a) -> Way<'a> {
+    let blocked = move |&segment: &Segment| f32::from(u8::from(!is_clear(segment)));
+    Way {
+        name,
+        ask: Box::new(move |segments| segments.iter().map(&blocked).collect()),
+        measures: false,
+    }
+}
+
+/// A way that asks for the closest hit.
+fn closest<'a>(name: &'static str, distance: impl Fn(Segment) -> f32 + 'a) -> Way<'a> {
+    Way {
+        name,
+        ask: Box::new(move |segments| segments.iter().map(|&s| distance(s)).collect()),
+        measures: true,
+    }
+}
+
 fn ways<'a>(ours: &'a Visibility, peers: &'a Peers) -> Vec<Way<'a>> {
-    let way = |name: &str, measures, ask: Box<dyn Fn(&[(Vec3, Vec3)]) -> Answers + 'a>| Way {
-        name: name.into(),
-        ask,
-        measures,
+    let ((wide, wide_triangles), (binary, binary_triangles)) = (&peers.wide, &peers.binary);
+    let batch = Way {
+        name: "any hit, batch",
+        ask: Box::new(move |segments| {
+            let mut clear = vec![false; segments.len()];
+            ours.clear_segments(segments, &mut clear);
+            let blocked = |clear: bool| f32::from(u8::from(!clear));
+            clear.into_iter().map(blocked).collect()
+        }),
+        measures: false,
     };
-    let each =
-        |f: Box<dyn Fn((Vec3, Vec3)) -> f32 + 'a>| -> Box<dyn Fn(&[(Vec3, Vec3)]) -> Answers + 'a> {
-            Box::new(move |segments| segments.iter().map(|&s| f(s)).collect())
-        };
-    let blocked = |clear: bool| f32::from(u8::from(!clear));
     vec![
-        way(
-            "any hit, one by one",
-            false,
-            each(Box::new(move |(from, to)| blocked(ours.is_clear(from, to)))),
-        ),
-        way(
-            "any hit, batch",
-            false,
-            Box::new(move |segments| {
-                let mut clear = vec![false; segments.len()];
-                ours.clear_segments(segments, &mut clear);
-                clear.into_iter().map(blocked).collect()
-            }),
-        ),
-        way(
-            "any hit, obvhs CwBvh",
-            false,
-            each(Box::new(move |s| {
-                let (bvh, triangles) = &peers.wide;
-                blocked(bvh.ray_traverse_miss(ray(s), |ray, i| triangles[i].intersect(ray)))
-            })),
-        ),
-        way(
-            "any hit, obvhs Bvh2",
-            false,
-            each(Box::new(move |s| {
-                let (bvh, triangles) = &peers.binary;
-                blocked(bvh.ray_traverse_miss(ray(s), |ray, i| triangles[i].intersect(ray)))
-            })),
-        ),
-        way(
-            "closest",
-            true,
-            each(Box::new(move |(from, to)| {
-                let length = from.distance(to);
-                let hit = ours.first_hit(from, (to - from) / length, length);
-                hit.map_or(f32::INFINITY, |hit| hit.distance)
-            })),
-        ),
-        way(
-            "closest, obvhs CwBvh",
-            true,
-            each(Box::new(move |s| {
-                let (bvh, triangles) = &peers.wide;
-                let mut hit = RayHit::none();
-                bvh.ray_traverse(ray(s), &mut hit, |ray, i| triangles[i].intersect(ray));
-                hit.t
-            })),
-        ),
+        any_hit("any hit, one by one", move |(from, to)| {
+            ours.is_clear(from, to)
+        }),
+        batch,
+        any_hit("any hit, obvhs CwBvh", move |segment| {
+            wide.ray_traverse_miss(ray(segment), |ray, i| wide_triangles[i].intersect(ray))
+        }),
+        any_hit("any hit, obvhs Bvh2", move |segment| {
+            binary.ray_traverse_miss(ray(segment), |ray, i| binary_triangles[i].intersect(ray))
+        }),
+        closest("closest", move |(from, to)| {
+            let length = from.distance(to);
+            let hit = ours.first_hit(from, (to - from) / length, length);
+            hit.map_or(f32::INFINITY, |hit| hit.distance)
+        }),
+        closest("closest, obvhs CwBvh", move |segment| {
+            let mut hit = RayHit::none();
+            wide.ray_traverse(ray(segment), &mut hit, |ray, i| {
+                wide_triangles[i].intersect(ray)
+            });
+            hit.t
+        }),
     ]
 }
 
 /// By octant of the direction, then along a Morton curve of the origin.
-fn sorted(mut segments: Vec<(Vec3, Vec3)>) -> Vec<(Vec3, Vec3)> {
+fn sorted(mut segments: Vec<Segment>) -> Vec<Segment> {
     segments.sort_by_cached_key(|&(from, to)| {
         let octant = (to - from).is_negative_bitmask();
         let cell = (from / SIDE * 1024.0).as_uvec3();
@@ -170,7 +167,7 @@ fn sorted(mut segments: Vec<(Vec3, Vec3)>) -> Vec<(Vec3, Vec3)> {
 }
 
 /// From a point close to one wall to all over the wall opposite, just short of it.
-fn to_a_wall() -> Vec<(Vec3, Vec3)> {
+fn to_a_wall() -> Vec<Segment> {
     let target = |i: usize| (i as f32 + 0.5) / 450.0 * SIDE;
     let from = Vec3::new(0.49 * SIDE, 0.51 * SIDE, 0.05);
     (0..450 * 450)
@@ -184,8 +181,8 @@ fn to_a_wall() -> Vec<(Vec3, Vec3)> {
 }
 
 /// A fast wrong answer counts for nothing: some segments against all triangles, all of them against each other.
-fn check(triangles: &[[Vec3; 3]], ways: &[Way], segments: &[(Vec3, Vec3)]) {
-    let some: Vec<(Vec3, Vec3)> = segments
+fn check(triangles: &[[Vec3; 3]], ways: &[Way], segments: &[Segment]) {
+    let some: Vec<Segment> = segments
         .iter()
         .step_by(segments.len() / 200)
         .copied()
@@ -237,7 +234,7 @@ fn check(triangles: &[[Vec3; 3]], ways: &[Way], segments: &[(Vec3, Vec3)]) {
     }
 }
 
-fn measure(ways: &[Way], segments: &[(Vec3, Vec3)]) {
+fn measure(ways: &[Way], segments: &[Segment]) {
     let mut seconds = vec![Vec::new(); ways.len()];
     for _ in 0..ROUNDS {
         for (way, seconds) in ways.iter().zip(&mut seconds) {
