@@ -90,6 +90,20 @@ fn a_soup_is_seen_as_all_triangles_say() {
 }
 
 #[test]
+fn both_sides_of_folded_sheets_are_met() {
+    // Pairs of triangles with a common side, folded by any angle: a ray may cross both.
+    let sheets = (0..400).flat_map(|i| {
+        let centre = random_point(17, i);
+        let [a, b, c, d] =
+            [0, 1, 2, 3].map(|k| SIDE * (centre + 0.3 * (random_point(18, 4 * i + k) - 0.5)));
+        [[a, b, c], [c, d, a]]
+    });
+    let triangles: Vec<[Vec3; 3]> = sheets.collect();
+    let certain = check(&triangles, &random_segments(2000, 19));
+    assert!(certain > 1000, "{certain} of 2000 beyond doubt");
+}
+
+#[test]
 fn a_hundred_thousand_triangles_are_seen_as_by_obvhs() {
     let triangles = spheres_in_a_box(40, 26, 50);
     assert_eq!(triangles.len(), 100_012, "triangles");

@@ -10,24 +10,21 @@ const RAYS: usize = 32;
 /// Ray numbers in the order in which they came.
 #[derive(Debug, Clone, Copy)]
 struct Queue {
-    rays: [u8; RAYS],
+    /// At most half of it is used.
+    rays: [u8; 2 * RAYS],
     len: usize,
 }
 
 impl Queue {
     const EMPTY: Self = Self {
-        rays: [0; RAYS],
+        rays: [0; 2 * RAYS],
         len: 0,
     };
 
-    /// Adds a ray if a condition holds, without a branch. It is never added to what is full: each ray is in one queue.
+    /// Adds a ray if a condition holds. Written it is in any case, which spares a branch.
     #[inline(always)]
     fn push_if(&mut self, condition: bool, ray: u8) {
-        self.rays[self.len % RAYS] = if condition {
-            ray
-        } else {
-            self.rays[self.len % RAYS]
-        };
+        self.rays[self.len % (2 * RAYS)] = ray;
         self.len += usize::from(condition);
     }
 }

@@ -41,6 +41,8 @@ pub struct Visibility {
     scene: Arc<Scene>,
     faces: Arc<[WorldFace]>,
     bvh: WideBvh,
+    /// Of each face, side by side: a face itself is far larger, and all that most hits want of it is its side.
+    normals: Vec<Vec3>,
     /// For each face whether light may pass straight through it; empty if none does.
     transmits: Vec<bool>,
     tinted: bool,
@@ -65,6 +67,7 @@ impl Visibility {
             tinted: any && scene.materials.iter().any(|m| m.transmission > 0.0),
             transmits: if any { transmits } else { Vec::new() },
             diameter: diameter(&faces),
+            normals: faces.iter().map(|face| face.normal).collect(),
             bvh: WideBvh::new(&pairing::quads(&faces)),
             scene,
             faces,
@@ -102,7 +105,7 @@ impl Visibility {
         let ray = Ray::new(origin, direction, max_distance, self.bvh.extent());
         let met = self.bvh.closest(&ray)?;
         let face = met.face as usize;
-        let facing = self.faces[face].normal.dot(direction) < 0.0;
+        let facing = self.normals[face].dot(direction) < 0.0;
         Some(Hit {
             face,
             side: if facing { Side::Front } else { Side::Back },
@@ -143,10 +146,9 @@ impl Visibility {
         }
         let mut through = Rgb::WHITE;
         let ray = Ray::between(from, to, self.bvh.extent());
-        let direction = (to - from) / ray.length.max(f32::MIN_POSITIVE);
         let clear = self.bvh.passes(&ray, |met| {
             let face = met.face as usize;
-            through *= self.transmittance_at(face, from + direction * met.distance);
+            through *= self.transmittance_at(face, from.lerp(to, met.distance));
             through.is_black()
         });
         if clear { through } else { Rgb::BLACK }

@@ -20,8 +20,8 @@ struct Side {
     apex: u8,
 }
 
-/// The faces as quads. Triangles find their partners greedily in the order of the faces: of the neighbours across
-/// their sides the one with which they fit the smallest box, if that is not more surface than two boxes have.
+/// The faces as quads. Triangles find their partners greedily: of all neighbours those come first whose common box
+/// has the least surface by that of their own two. None is paired where a common box has more.
 pub(super) fn quads(faces: &[WorldFace]) -> Vec<Quad> {
     let mut quads = Vec::with_capacity(faces.len());
     let mut singles = Vec::new();
@@ -44,52 +44,51 @@ pub(super) fn quads(faces: &[WorldFace]) -> Vec<Quad> {
 }
 
 fn pair(singles: &[Single], quads: &mut Vec<Quad>) {
-    let neighbours = neighbours(singles);
-    let mut is_taken = vec![false; singles.len()];
-    for (number, single) in singles.iter().enumerate() {
-        if is_taken[number] {
-            continue;
+    let surfaces: Vec<f32> = singles.iter().map(|s| surface(&s.corners)).collect();
+    let mut candidates: Vec<(f32, [Side; 2])> = Vec::new();
+    for_each_neighbours(singles, |sides| {
+        let [one, other] = sides.map(|side| side.triangle as usize);
+        let ratio = surface(&join(singles, sides).corners) / (surfaces[one] + surfaces[other]);
+        if ratio <= 1.0 {
+            candidates.push((ratio, sides));
         }
-        is_taken[number] = true;
+    });
+    // Stable, so that of equal ratios the first in the order of the sides wins.
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut is_taken = vec![false; singles.len()];
+    for (_, sides) in candidates {
+        let [one, other] = sides.map(|side| side.triangle as usize);
+        if !is_taken[one] && !is_taken[other] {
+            (is_taken[one], is_taken[other]) = (true, true);
+            quads.push(join(singles, sides));
+        }
+    }
+    let alone = singles.iter().zip(is_taken).filter(|(_, taken)| !taken);
+    quads.extend(alone.map(|(single, _)| {
         let [a, b, c] = single.corners;
-        let alone = Quad {
+        Quad {
             corners: [a, b, c, c],
             faces: [single.face; 2],
-        };
-        let partner = (0..3)
-            .filter_map(|apex| {
-                let (other, other_apex) = neighbours[number][apex]?;
-                let other = other as usize;
-                if is_taken[other] {
-                    return None;
-                }
-                // The side opposite the apex becomes the diagonal from corner 0 to corner 2.
-                let turned = [1, 0, 2].map(|k| single.corners[(apex + k) % 3]);
-                let quad = Quad {
-                    corners: [
-                        turned[0],
-                        turned[1],
-                        turned[2],
-                        singles[other].corners[usize::from(other_apex)],
-                    ],
-                    faces: [single.face, singles[other].face],
-                };
-                let apart = surface(&single.corners) + surface(&singles[other].corners);
-                let together = surface(&quad.corners);
-                (together <= apart).then_some((together, other, quad))
-            })
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, other, quad)) = partner {
-            is_taken[other] = true;
-            quads.push(quad);
-        } else {
-            quads.push(alone);
         }
+    }));
+}
+
+/// The quad of two triangles with a common side, which becomes its diagonal.
+fn join(singles: &[Single], [one, other]: [Side; 2]) -> Quad {
+    let (single, partner) = (
+        &singles[one.triangle as usize],
+        &singles[other.triangle as usize],
+    );
+    let apex = usize::from(one.apex);
+    let [before, at, after] = [2, 0, 1].map(|step| single.corners[(apex + step) % 3]);
+    Quad {
+        corners: [before, at, after, partner.corners[usize::from(other.apex)]],
+        faces: [single.face, partner.face],
     }
 }
 
-/// For each triangle and each of its corners the triangle across the opposite side and that one's opposite corner.
-fn neighbours(singles: &[Single]) -> Vec<[Option<(u32, u8)>; 3]> {
+/// Calls `visit` with each two sides in succession that have the same ends.
+fn for_each_neighbours(singles: &[Single], mut visit: impl FnMut([Side; 2])) {
     let mut sides = Vec::with_capacity(3 * singles.len());
     for (single, triangle) in singles.iter().zip(0..) {
         for (apex, k) in [(0, 0), (1, 1), (2, 2_usize)] {
@@ -104,16 +103,11 @@ fn neighbours(singles: &[Single]) -> Vec<[Option<(u32, u8)>; 3]> {
         }
     }
     sides.sort_unstable();
-    let mut across = vec![[None; 3]; singles.len()];
-    for pair in sides.windows(2).filter(|pair| pair[0].ends == pair[1].ends) {
-        for (one, other) in [(pair[0], pair[1]), (pair[1], pair[0])] {
-            if one.triangle != other.triangle {
-                across[one.triangle as usize][usize::from(one.apex)] =
-                    Some((other.triangle, other.apex));
-            }
+    for pair in sides.windows(2) {
+        if pair[0].ends == pair[1].ends && pair[0].triangle != pair[1].triangle {
+            visit([pair[0], pair[1]]);
         }
     }
-    across
 }
 
 /// Half the surface of the box around some points.
@@ -122,4 +116,83 @@ fn surface(points: &[Vec3]) -> f32 {
     let high = points.iter().fold(points[0], |high, &p| high.max(p));
     let size = high - low;
     size.x * size.y + size.y * size.z + size.z * size.x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn face(corners: [Vec3; 3]) -> WorldFace {
+        let [a, b, c] = corners;
+        WorldFace {
+            corners: [a, b, c, c],
+            mesh_corners: [0; 4],
+            corner_count: 3,
+            normal: Vec3::Z,
+            instance: 0,
+            face: 0,
+            material: 0,
+        }
+    }
+
+    #[test]
+    fn a_strip_becomes_quads_along_its_diagonals() {
+        // Diagonals from (i, 0) to (i + 1, 1); every other pairing has larger boxes.
+        let corner = |i: u8, j: u8| Vec3::new(f32::from(i), f32::from(j), 0.0);
+        let cell = |i| {
+            let [a, b, c, d] = [
+                corner(i, 0),
+                corner(i + 1, 0),
+                corner(i + 1, 1),
+                corner(i, 1),
+            ];
+            [face([a, b, c]), face([c, d, a])]
+        };
+        let faces: Vec<WorldFace> = (0..10).flat_map(cell).collect();
+        let mut pairs: Vec<[u32; 2]> = quads(&faces)
+            .iter()
+            .map(|quad| {
+                let [one, other] = quad.faces;
+                [one.min(other), one.max(other)]
+            })
+            .collect();
+        pairs.sort_unstable();
+        let expected: Vec<[u32; 2]> = (0..10).map(|i| [2 * i, 2 * i + 1]).collect();
+        assert_eq!(pairs, expected, "faces of the quads");
+    }
+
+    #[test]
+    fn each_triangle_is_in_one_quad_with_its_corners() {
+        let number = |i: u64| (crate::sampling::hash(5, i) % 4) as f32;
+        let corner = |i: u64| Vec3::new(number(3 * i), number(3 * i + 1), number(3 * i + 2));
+        let faces: Vec<WorldFace> = (0..200)
+            .map(|i| face([0, 1, 2].map(|k| corner(3 * i + k))))
+            .collect();
+        let mut seen = vec![0; faces.len()];
+        for quad in quads(&faces) {
+            let [a, b, c, d] = quad.corners;
+            let is_single = quad.faces[0] == quad.faces[1];
+            for (number, triangle) in quad
+                .faces
+                .iter()
+                .zip([[a, b, c], [a, c, d]])
+                .take(2 - usize::from(is_single))
+            {
+                seen[*number as usize] += 1;
+                let face = &faces[*number as usize];
+                assert!(
+                    triangle.iter().all(|p| face.corners.contains(p)),
+                    "corners of face {number}"
+                );
+                assert!(
+                    face.corners.iter().all(|p| triangle.contains(p)),
+                    "face {number}"
+                );
+            }
+        }
+        assert!(
+            seen.iter().all(|&count| count == 1),
+            "how often each is there: {seen:?}"
+        );
+    }
 }

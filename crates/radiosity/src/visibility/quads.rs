@@ -9,7 +9,7 @@ pub(super) const LANES: usize = 8;
 
 /// Two triangles with a common side: corners 0, 1, 2 and 0, 2, 3. A single triangle repeats its last corner.
 ///
-/// They need not lie in a plane: any two neighbours of a mesh will do. Four corners instead of six are a third less to
+/// They need not lie in a plane: any two neighbours of a mesh will do, also where they fold back. Four corners instead of six are a third less to
 /// load and to transform, and half as many boxes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Quad {
@@ -25,21 +25,36 @@ pub(super) struct QuadPack {
     corners: [[f32x8; 4]; 3],
 }
 
-/// Where a ray meets the quads of a pack.
+/// Where a ray meets the triangles of a pack: the first of each quad, and the second. Where the two are folded, a ray
+/// may meet both.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Hits {
-    /// One bit for each quad that is met.
-    pub(super) mask: u32,
-    /// One bit for each quad whose first triangle is met.
-    pub(super) first: u32,
+pub(super) struct Hits([HitsOfTriangles; 2]);
+
+/// Where a ray meets one triangle of each quad.
+#[derive(Debug, Clone, Copy)]
+struct HitsOfTriangles {
+    /// One for each quad whose triangle is met.
+    mask: f32x8,
     distance_times_scale: f32x8,
     scale: f32x8,
 }
 
 impl Hits {
-    /// Distances; of use in the lanes that are met.
-    pub(super) fn distances(&self) -> [f32; LANES] {
-        (self.distance_times_scale / self.scale).to_array()
+    /// Whether anything is met.
+    #[inline(always)]
+    pub(super) fn any(&self) -> bool {
+        let [first, second] = &self.0;
+        (first.mask | second.mask).any()
+    }
+
+    /// One bit for each quad whose first triangle is met, its distances, and the same of the second.
+    pub(super) fn by_triangle(&self) -> [(u32, [f32; LANES]); 2] {
+        self.0.map(|hits| {
+            (
+                hits.mask.to_bitmask(),
+                (hits.distance_times_scale / hits.scale).to_array(),
+            )
+        })
     }
 }
 
@@ -78,28 +93,26 @@ impl QuadPack {
         let side = |i: usize, j: usize| x[i] * y[j] - y[i] * x[j];
         let (ab, bc, cd, da, ac) = (side(0, 1), side(1, 2), side(2, 3), side(3, 0), side(0, 2));
 
-        let none = f32x8::ZERO;
-        let (up, down) = (|s: f32x8| s.simd_ge(none), |s: f32x8| s.simd_le(none));
-        let first = (up(ab) & up(bc) & down(ac)) | (down(ab) & down(bc) & up(ac));
-        let second = (up(cd) & up(da) & up(ac)) | (down(cd) & down(da) & down(ac));
-
-        // Weights of the corners of the triangle that is met; they sum to its doubled area.
-        let weight_a = first.bitselect(bc, cd);
-        let weight_b = first.bitselect(-ac, ac);
-        let weight_c = first.bitselect(ab, da);
-        let z_b = first.bitselect(z[1], z[3]);
-        let area = weight_a + weight_b + weight_c;
-        let depth = weight_a.mul_add(z[0], weight_b.mul_add(z_b, weight_c * z[2]));
-        let sign = area & f32x8::splat(-0.0);
-        let (scale, distance) = (area ^ sign, (depth * inverse_z) ^ sign);
-        let within = distance.simd_ge(none) & distance.simd_le(f32x8::splat(length) * scale);
-        let flat = scale.simd_eq(none);
-        let met = ((first | second) & within).to_bitmask() & !flat.to_bitmask();
-        Hits {
-            mask: met,
-            first: first.to_bitmask(),
-            distance_times_scale: distance,
-            scale,
-        }
+        let to_triangle = |sides: [f32x8; 3], z: [f32x8; 3]| {
+            let none = f32x8::ZERO;
+            let [a, b, c] = sides;
+            let inside = (a.simd_ge(none) & b.simd_ge(none) & c.simd_ge(none))
+                | (a.simd_le(none) & b.simd_le(none) & c.simd_le(none));
+            // The sides are the weights of the corners opposite and sum to the doubled area.
+            let area = a + b + c;
+            let depth = a.mul_add(z[0], b.mul_add(z[1], c * z[2]));
+            let sign = area & f32x8::splat(-0.0);
+            let (scale, distance) = (area ^ sign, (depth * inverse_z) ^ sign);
+            let within = distance.simd_ge(none) & distance.simd_le(f32x8::splat(length) * scale);
+            HitsOfTriangles {
+                mask: inside & within & scale.simd_gt(none),
+                distance_times_scale: distance,
+                scale,
+            }
+        };
+        Hits([
+            to_triangle([bc, -ac, ab], [z[0], z[1], z[2]]),
+            to_triangle([cd, da, ac], [z[0], z[2], z[3]]),
+        ])
     }
 }

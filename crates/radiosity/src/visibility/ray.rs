@@ -23,7 +23,8 @@ pub(super) struct Ray {
 }
 
 impl Ray {
-    /// A ray of unit direction in a scene whose coordinates are at most `extent` in size.
+    /// A ray in a scene whose coordinates are at most `extent` in size. `length` and all distances are
+    /// in units of the direction's length.
     ///
     /// Bounds of distances are widened by what rounding may do to them, so that no box is missed whose content is
     /// met. Of components below 1e-18 the ray is taken to run along the plane: there nothing moves by more than that.
@@ -51,12 +52,10 @@ impl Ray {
         }
     }
 
-    /// The ray from one point to another.
+    /// The ray from one point to another; its distances are shares of the way.
     #[inline(always)]
     pub(super) fn between(from: Vec3, to: Vec3, extent: Vec3) -> Self {
-        let length = from.distance(to);
-        let direction = (to - from) / length.max(f32::MIN_POSITIVE);
-        Self::new(from, direction, length, extent)
+        Self::new(from, to - from, 1.0, extent)
     }
 }
 

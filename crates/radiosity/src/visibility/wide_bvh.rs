@@ -175,7 +175,8 @@ impl Source<'_> {
     }
 
     /// The nodes of the binary tree that become children of one wide node: the largest is opened until there are
-    /// eight. The largest comes last, where traversals for any hit begin.
+    /// eight. The smallest comes last, where traversals for any hit begin: what meets a small box more often meets what
+    /// is in it.
     fn widen(&self, node: u32) -> Vec<Part> {
         let surface = |node: u32| self.binary.nodes[node as usize].aabb().half_area();
         let children = |node: u32| {
@@ -195,7 +196,7 @@ impl Source<'_> {
             open[largest] = left;
             open.push(right);
         }
-        open.sort_by(|&a, &b| surface(a).total_cmp(&surface(b)));
+        open.sort_by(|&a, &b| surface(b).total_cmp(&surface(a)));
         open.into_iter().map(Part::Tree).collect()
     }
 
@@ -326,7 +327,7 @@ impl WideBvh {
             for number in bits(node.meet(ray, ray.length).0) {
                 let child = node.children[number];
                 if let Some(pack) = child.pack() {
-                    if self.packs[pack].meet(ray, ray.length).mask != 0 {
+                    if self.packs[pack].meet(ray, ray.length).any() {
                         return false;
                     }
                 } else {
@@ -350,12 +351,13 @@ impl WideBvh {
     #[inline(always)]
     pub(super) fn visit_pack(&self, ray: &Ray, stack: &mut Stack) -> bool {
         let pack = stack.pop().pack().unwrap_or(0);
-        self.packs[pack].meet(ray, ray.length).mask != 0
+        self.packs[pack].meet(ray, ray.length).any()
     }
 
     /// The first surface along a ray.
     pub(super) fn closest(&self, ray: &Ray) -> Option<Met> {
-        let mut best: Option<Met> = None;
+        // Pack, lane and triangle of the quad.
+        let mut best = None;
         let mut length = ray.length;
         let mut stack = [(0.0, Child::ROOT); STACK];
         let mut len = 1;
@@ -367,9 +369,13 @@ impl WideBvh {
             }
             if let Some(pack) = entry.pack() {
                 let hits = self.packs[pack].meet(ray, length);
-                for met in self.each_met(pack, &hits) {
-                    if met.distance < length || best.is_none() {
-                        (length, best) = (met.distance, Some(met));
+                if hits.any() {
+                    for (which, (mask, distances)) in hits.by_triangle().iter().enumerate() {
+                        for lane in bits(*mask) {
+                            if distances[lane] < length || best.is_none() {
+                                (length, best) = (distances[lane], Some((pack, lane, which)));
+                            }
+                        }
                     }
                 }
                 continue;
@@ -388,7 +394,10 @@ impl WideBvh {
                 len += 1;
             }
         }
-        best
+        best.map(|(pack, lane, which)| Met {
+            face: self.faces[pack][lane][which],
+            distance: length,
+        })
     }
 
     /// Calls `stops` with what a ray meets, in no order, until that returns true. Whether it never did.
@@ -399,7 +408,7 @@ impl WideBvh {
             if is_pack {
                 let pack = stack.pop().pack().unwrap_or(0);
                 let hits = self.packs[pack].meet(ray, ray.length);
-                if self.each_met(pack, &hits).any(&mut stops) {
+                if hits.any() && self.each_met(pack, &hits).any(&mut stops) {
                     return false;
                 }
             } else {
@@ -409,16 +418,22 @@ impl WideBvh {
         true
     }
 
+    /// What is met in a pack. Where the two triangles belong to one face, a ray along their common side counts once.
     fn each_met(&self, pack: usize, hits: &Hits) -> impl Iterator<Item = Met> {
-        let distances = if hits.mask == 0 {
-            [0.0; LANES]
-        } else {
-            hits.distances()
-        };
-        let first = hits.first;
-        bits(hits.mask).map(move |lane| Met {
-            face: self.faces[pack][lane][usize::from(first >> lane & 1 == 0)],
-            distance: distances[lane],
-        })
+        let faces = &self.faces[pack];
+        let [first, mut second] = hits.by_triangle();
+        for lane in bits(first.0 & second.0) {
+            let is_one_face = faces[lane][0] == faces[lane][1];
+            second.0 &= !(u32::from(is_one_face) << lane);
+        }
+        [first, second]
+            .into_iter()
+            .enumerate()
+            .flat_map(move |(which, (mask, distances))| {
+                bits(mask).map(move |lane| Met {
+                    face: faces[lane][which],
+                    distance: distances[lane],
+                })
+            })
     }
 }
