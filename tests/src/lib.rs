@@ -2,6 +2,7 @@
 
 pub mod enclosures;
 pub mod shapes;
+pub mod spheres;
 pub mod surfaces;
 
 use glam::Vec3;

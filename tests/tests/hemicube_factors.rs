@@ -400,6 +400,19 @@ fn item_buffers_show_what_a_patch_sees() {
 }
 
 #[test]
+fn the_coarsest_and_the_finest_hemicube_close() {
+    let mesh = built_in("cornell", PatchOptions::default().with_elements(100));
+    for resolution in [16, 4096] {
+        let factors = hemicube(&mesh, resolution, 1);
+        let sum = row(&factors, 3).sum(&mesh, 0);
+        assert!(
+            (sum - 1.0).abs() < 1e-5,
+            "resolution {resolution}: the row sums to {sum}"
+        );
+    }
+}
+
+#[test]
 fn bad_options_are_refused() {
     let mesh = built_in("parallel-plates", one_element_a_face());
     for (resolution, points) in [(0, 16), (14, 16), (17, 16), (4098, 16), (64, 0), (64, 3)] {

@@ -192,7 +192,7 @@ fn faces_and_objects_of_a_built_in_scene() {
 #[test]
 fn large_matrices_are_not_printed() {
     let folder = Folder::new();
-    let text = folder.done(&["form-factors", "cornell", "--rays", "64"]);
+    let text = folder.done(&["form-factors", "cornell"]);
     assert!(text.contains("-o F.csv"), "it says how to get them: {text}");
     assert!(text.lines().count() < 12, "only the report: {text}");
 }

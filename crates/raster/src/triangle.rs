@@ -13,14 +13,18 @@
 //!
 //! Depth `z/w` and `1/w` and `attribute/w` are linear on the screen. Their slopes are computed once per triangle, their
 //! values at the start of each row's span, and along the span the slope is added; `attribute = (attribute/w) / (1/w)`.
+//! Depths start anew at every eighth column of the picture, so that eight of them are computed at once.
 //!
 //! Every row is computed by itself from the triangle. Drawing a picture in bands of rows, one thread each, gives the
 //! same bits as drawing it at once.
 
+mod items;
+
 use crate::clip::{ClippedVertex, Clipping, cut_corners};
 use core::ops::Range;
-use glam::{DVec2, Vec4};
+use glam::DVec2;
 
+pub use self::items::{draw_ids, draw_quad_ids};
 pub use crate::clip::ClipVertex;
 
 /// The size of a picture in pixels; each side at most [`Viewport::MAX_SIDE`].
@@ -48,6 +52,11 @@ impl Viewport {
     /// Half width and half height as f64.
     fn half(self) -> DVec2 {
         DVec2::new(self.width as f64, self.height as f64) * 0.5
+    }
+
+    /// Half of the longer side, at least half a pixel as for the guard band.
+    fn longer_half(self) -> f32 {
+        narrow(self.half().max_element().max(0.5))
     }
 
     /// The guard band in units of the half picture.
@@ -160,16 +169,15 @@ pub fn draw_triangle<const N: usize>(
         let inverse_w = facet.slopes(|c| c.inverse_w);
         let over_w: [Slopes; N] = std::array::from_fn(|k| facet.slopes(|c| c.attributes_over_w[k]));
         let (low, high) = facet.attribute_ranges();
-        let depths = facet.depths();
+        let depths = Depths::new(facet);
         facet.for_each_span(|y, columns| {
             let start = facet.offset(columns.start, y);
-            let span_depths = depths.span(start);
             let mut q = inverse_w.at(start);
             let mut a = over_w.map(|slopes| slopes.at(start));
             let first = (y - rows.start) * viewport.width;
             let row = &mut depth[first + columns.start..first + columns.end];
-            for ((x, nearest), step) in columns.zip(row).zip(0..) {
-                let z = span_depths.at(step);
+            for (x, nearest) in columns.zip(row) {
+                let z = depths.at(x, y);
                 if z < *nearest {
                     let w = 1.0 / inverse_w.clamp(q);
                     let attributes =
@@ -182,45 +190,6 @@ pub fn draw_triangle<const N: usize>(
                 for (a, slopes) in a.iter_mut().zip(&over_w) {
                     *a += slopes.dx;
                 }
-            }
-        });
-    });
-}
-
-/// Draws the rows `rows` of a triangle into an item buffer: where it is nearer than `depth` (`<`), it leaves its depth
-/// and its `id`. `depth` and `ids` hold those rows and nothing else.
-///
-/// Covers the same pixels with the same depths, bit for bit, as [`draw_triangle`].
-///
-/// # Panics
-/// If `rows` is not within the picture, `depth` or `ids` do not have its size, or a side is above
-/// [`Viewport::MAX_SIDE`].
-pub fn draw_ids(
-    rows: Range<usize>,
-    viewport: Viewport,
-    cull: Cull,
-    positions: &[Vec4; 3],
-    id: u32,
-    depth: &mut [f32],
-    ids: &mut [u32],
-) {
-    check_band(&rows, viewport, depth.len());
-    check_band(&rows, viewport, ids.len());
-    let vertices = positions.map(|position| ClipVertex::new(position, []));
-    for_each_facet(&rows, viewport, cull, &vertices, |facet| {
-        let depths = facet.depths();
-        facet.for_each_span(|y, columns| {
-            let span_depths = depths.span(facet.offset(columns.start, y));
-            let first = (y - rows.start) * viewport.width;
-            let span = first + columns.start..first + columns.end;
-            // Without a branch and with both values always stored, the compiler makes SIMD of it.
-            for ((nearest, item), step) in
-                depth[span.clone()].iter_mut().zip(&mut ids[span]).zip(0..)
-            {
-                let z = span_depths.at(step);
-                let wins = z < *nearest;
-                *nearest = if wins { z } else { *nearest };
-                *item = if wins { id } else { *item };
             }
         });
     });
@@ -309,13 +278,25 @@ fn for_each_facet<const N: usize>(
     viewport: Viewport,
     cull: Cull,
     vertices: &[ClipVertex<N>; 3],
+    draw: impl FnMut(&Facet<N>),
+) {
+    let clipping = Clipping::of(vertices, viewport.guard());
+    for_each_facet_of(rows, viewport, cull, &clipping, draw);
+}
+
+/// Projects and culls what clipping has left.
+fn for_each_facet_of<const N: usize>(
+    rows: &Range<usize>,
+    viewport: Viewport,
+    cull: Cull,
+    clipping: &Clipping<N>,
     mut draw: impl FnMut(&Facet<N>),
 ) {
     let half = viewport.half();
-    match Clipping::of(vertices, viewport.guard()) {
+    match clipping {
         Clipping::Outside => {}
         Clipping::Inside(corners) => {
-            let corners = corners.map(|corner| Corner::new(half, &corner));
+            let corners = corners.each_ref().map(|corner| Corner::new(half, corner));
             let [a, b, c] = corners.each_ref();
             let area = doubled_area([a, b, c]);
             if area > 0 && cull == Cull::None || area < 0 {
@@ -325,7 +306,7 @@ fn for_each_facet<const N: usize>(
             }
         }
         Clipping::Crossing(corners) => {
-            let polygon = cut_corners(&corners, viewport.guard());
+            let polygon = cut_corners(corners, viewport.guard());
             let corner = |vertex| Corner::new(half, vertex);
             let Some((first, others)) = polygon.corners().split_first() else {
                 return;
@@ -459,31 +440,45 @@ impl Slopes {
     fn clamp(&self, value: f64) -> f64 {
         value.max(self.low).min(self.high)
     }
-
-    fn span(&self, start: DVec2) -> SpanDepths {
-        SpanDepths {
-            start: narrow(self.at(start)),
-            slope: narrow(self.dx),
-            low: narrow(self.low),
-            high: narrow(self.high),
-        }
-    }
 }
 
-/// Depths along a span, in f32 so that eight fit a SIMD register. `start + i slope` rather than repeated addition: nothing
-/// adds up, and the pixels do not wait for each other.
+/// Depths of a facet: in f64 at every eighth column of the picture, and from there in f32, so that eight fit a SIMD
+/// register and do not wait for each other.
 #[derive(Debug, Clone, Copy)]
-struct SpanDepths {
-    start: f32,
+struct Depths {
+    slopes: Slopes,
     slope: f32,
     low: f32,
     high: f32,
+    /// From the facet's first corner to the centre of pixel (0, 0), in pixels.
+    offset: DVec2,
 }
 
-impl SpanDepths {
+impl Depths {
     #[inline(always)]
-    fn at(self, step: i32) -> f32 {
-        let z = self.start + self.slope * step as f32;
+    fn new<const N: usize>(facet: &Facet<N>) -> Self {
+        let slopes = facet.slopes(|corner| corner.z);
+        Self {
+            slope: narrow(slopes.dx),
+            low: narrow(slopes.low),
+            high: narrow(slopes.high),
+            slopes,
+            offset: facet.offset(0, 0),
+        }
+    }
+
+    /// Before clamping, at the column `group` that starts a group.
+    #[inline(always)]
+    fn of_group(&self, row: i64, group: usize) -> f32 {
+        let Slopes { origin, dx, dy, .. } = self.slopes;
+        let of_row = origin + dx * self.offset.x + dy * (row as f64 + self.offset.y);
+        narrow(of_row + dx * group as f64)
+    }
+
+    /// At a pixel.
+    fn at(&self, column: usize, row: usize) -> f32 {
+        let step = column % items::GROUP;
+        let z = self.of_group(row as i64, column - step) + self.slope * step as f32;
         let z = if z > self.low { z } else { self.low };
         if z < self.high { z } else { self.high }
     }
@@ -536,10 +531,6 @@ impl<'a, const N: usize> Facet<'a, N> {
         }
     }
 
-    fn depths(&self) -> Slopes {
-        self.slopes(|corner| corner.z)
-    }
-
     /// The smallest and the largest value of each attribute at the corners.
     fn attribute_ranges(&self) -> ([f32; N], [f32; N]) {
         let [a, b, c] = self.corners.map(|corner| corner.attributes.map(narrow));
@@ -580,8 +571,9 @@ impl<'a, const N: usize> Facet<'a, N> {
 
 /// The first and the last pixel of a range whose centres lie within the corners' extent along one axis: on its lower end
 /// (a top or left side) they count, on its upper end they do not.
-fn centres(pixels: Range<usize>, [a, b, c]: [i64; 3]) -> [i64; 2] {
-    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+fn centres<const C: usize>(pixels: Range<usize>, corners: [i64; C]) -> [i64; 2] {
+    let low = corners.iter().fold(i64::MAX, |low, &c| low.min(c));
+    let high = corners.iter().fold(i64::MIN, |high, &c| high.max(c));
     let first_from = |bound: i64| (bound - CENTRE + SUBPIXELS - 1).div_euclid(SUBPIXELS);
     [
         first_from(low).max(pixels.start as i64),

@@ -3,7 +3,9 @@
 use glam::camera::rh::proj::directx::perspective;
 use glam::camera::rh::view::look_to_mat4;
 use glam::{DVec3, Vec3, Vec4};
-use hemicube_raster::triangle::{ClipVertex, Cull, DepthBuffer, Viewport, draw_ids, draw_triangle};
+use hemicube_raster::triangle::{
+    ClipVertex, Cull, DepthBuffer, Viewport, draw_ids, draw_quad_ids, draw_triangle,
+};
 use proptest::prelude::*;
 
 const VIEWPORT: Viewport = Viewport::new(64, 48);
@@ -326,6 +328,41 @@ proptest! {
     }
 
     #[test]
+    fn small_quads_and_triangles_agree_with_the_fragments(
+        quads in prop::collection::vec(small_quad(), 1..12),
+        width in 17_usize..70,
+        back in any::<bool>(),
+        band in 1_usize..48,
+    ) {
+        let viewport = Viewport::new(width, 48);
+        let cull = if back { Cull::Back } else { Cull::None };
+        let mut expected = DepthBuffer::new(viewport);
+        let mut depth = expected.clone();
+        let mut expected_ids = vec![u32::MAX; width * 48];
+        let mut ids = expected_ids.clone();
+        for (id, &[a, b, c, d]) in (0..).zip(&quads) {
+            let is_quad = id % 2 == 0;
+            for triangle in if is_quad { vec![[a, b, c], [a, c, d]] } else { vec![[a, b, c]] } {
+                let vertices = triangle.map(|p| ClipVertex::new(p, []));
+                draw_triangle(0..48, viewport, cull, &vertices, expected.values_mut(), |x, y, _, _| {
+                    expected_ids[y * width + x] = id;
+                    true
+                });
+            }
+            for (rows, depth) in depth.bands_mut(band) {
+                let ids = &mut ids[rows.start * width..rows.end * width];
+                if is_quad {
+                    draw_quad_ids(rows, viewport, cull, &[a, b, c, d], id, depth, ids);
+                } else {
+                    draw_ids(rows, viewport, cull, &[a, b, c], id, depth, ids);
+                }
+            }
+        }
+        prop_assert_eq!(ids, expected_ids, "ids");
+        prop_assert_eq!(depth, expected, "depths");
+    }
+
+    #[test]
     fn no_input_panics_or_leaves_the_range_of_the_corners(triangle in any_triangle(), width in 0_usize..70, height in 0_usize..40) {
         let viewport = Viewport::new(width, height);
         let finite = triangle.iter().all(|v| v.position.is_finite() && v.attributes[0].is_finite());
@@ -341,6 +378,27 @@ proptest! {
             prop_assert!((low - slack..=high + slack).contains(&attribute), "attribute {}", attribute);
         }
     }
+}
+
+/// Four corners not far from each other, in any order, so that some quads are dents and bows; some at the border, and
+/// now and then one far away or behind the eye.
+fn small_quad() -> impl Strategy<Value = [Vec4; 4]> {
+    let corner = (-0.5_f32..0.5, -0.5_f32..0.5, 0.0_f32..1.0);
+    let away = prop_oneof![9 => Just(1.0_f32), 1 => prop::sample::select(vec![-1.0, 0.01, 30.0])];
+    (
+        -1.1_f32..1.1,
+        -1.1_f32..1.1,
+        0.01_f32..1.0,
+        0.1_f32..9.0,
+        away,
+        prop::array::uniform4(corner),
+    )
+        .prop_map(|(x, y, size, w, away, corners)| {
+            let mut quad =
+                corners.map(|(dx, dy, z)| Vec4::new(x + dx * size, y + dy * size, z, 1.0) * w);
+            quad[2].w *= away;
+            quad
+        })
 }
 
 /// Corners in and around the picture, behind the eye as well.

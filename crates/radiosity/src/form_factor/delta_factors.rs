@@ -3,6 +3,7 @@
 use crate::error::RadiosityError;
 use crate::form_factor::nusselt::contour_factor;
 use core::f64::consts::PI;
+use core::ops::Range;
 use glam::{DVec3, Vec3, Vec4};
 use hemicube_raster::triangle::Viewport;
 
@@ -88,6 +89,15 @@ impl CubeFace {
         Self::Side(3),
     ];
 
+    /// Its place among the faces of its projection.
+    pub(super) fn number(self) -> usize {
+        match self {
+            Self::Top | Self::Plane => 0,
+            Self::Side(side) => 1 + usize::from(side),
+            Self::Corner(number) => usize::from(number),
+        }
+    }
+
     /// Its cells, for so many along an edge of the top.
     pub fn viewport(self, resolution: usize) -> Viewport {
         match self {
@@ -139,12 +149,42 @@ fn corner_clip(number: u8, p: Vec3, near: f32) -> Vec4 {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeltaFactors {
     half: usize,
-    /// Cells of a quarter of the top or of the single plane, row by row from the centre outwards.
+    /// Of a quarter of the top or of the single plane, row by row from the centre outwards: sums over the cells before
+    /// each column and over all of them. Sums, because most cells see what their neighbours see: a run of them costs
+    /// what one does.
     top: Vec<f64>,
-    /// Cells of half a side, row by row upwards from the patch's plane, from the middle outwards.
+    /// Of half a side, row by row upwards from the patch's plane, from the middle outwards: the same.
     side: Vec<f64>,
-    /// Cells of a face of the cubic tetrahedron, row by row from above.
+    /// Of a face of the cubic tetrahedron, row by row from above: the same from the left.
     corner: Vec<f64>,
+}
+
+/// A row of cells.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DeltaRow<'a> {
+    /// Sums over the cells before each column and over all of them, of the right half if the left one mirrors it.
+    sums: &'a [f64],
+    is_mirrored: bool,
+}
+
+impl DeltaRow<'_> {
+    /// Sum of the factors in some columns, counted from the left.
+    pub(super) fn of(self, columns: Range<usize>) -> f64 {
+        self.up_to(columns.end) - self.up_to(columns.start)
+    }
+
+    /// From the left, or of a mirrored row from the middle, to the left border of a column; negative left of the middle.
+    fn up_to(self, column: usize) -> f64 {
+        if !self.is_mirrored {
+            return self.sums[column];
+        }
+        let half = self.sums.len() - 1;
+        if column < half {
+            -self.sums[half - column]
+        } else {
+            self.sums[column - half]
+        }
+    }
 }
 
 impl DeltaFactors {
@@ -181,56 +221,53 @@ impl DeltaFactors {
                 top = table(half, |i, j| above(reach * unit(i), reach * unit(j)));
             }
         }
-        let mut factors = Self {
-            half,
-            top,
-            side,
-            corner,
-        };
         // The closed forms sum to 1 but for rounding, which grows with the number of cells; and for what the plane misses.
-        let sum = factors.sum();
-        let cells = factors.top.iter_mut().chain(&mut factors.side);
-        let cells = cells.chain(&mut factors.corner);
-        cells.for_each(|delta| *delta /= sum);
-        Ok(factors)
+        let sum =
+            4.0 * by_rows(&top, half) + 8.0 * by_rows(&side, half) + 3.0 * by_rows(&corner, cells);
+        let all = top.iter_mut().chain(&mut side).chain(&mut corner);
+        all.for_each(|delta| *delta /= sum);
+        Ok(Self {
+            half,
+            top: running_sums(&top, half),
+            side: running_sums(&side, half),
+            corner: running_sums(&corner, cells),
+        })
     }
 
     /// The factor of one cell; columns count from the left and rows from above.
     pub fn at(&self, face: CubeFace, column: usize, row: usize) -> f64 {
-        if matches!(face, CubeFace::Corner(_)) {
-            return self.corner_row(row)[column];
-        }
-        let from_centre = if column < self.half {
-            self.half - 1 - column
-        } else {
-            column - self.half
-        };
-        self.half_row(face, row)[from_centre]
+        self.row(face, row).of(column..column + 1)
     }
 
     /// Sum over all cells of all faces: 1.
     pub fn sum(&self) -> f64 {
-        // By rows first, so that rounding does not add up.
-        let total = |table: &[f64]| -> f64 {
-            let rows = table.chunks(self.half).map(|row| row.iter().sum::<f64>());
-            rows.sum()
-        };
-        4.0 * total(&self.top) + 8.0 * total(&self.side) + 3.0 * total(&self.corner)
+        let total =
+            |table: &[f64], len: usize| -> f64 { table.chunks(len).map(|row| row[len - 1]).sum() };
+        let (half, whole) = (self.half + 1, 2 * self.half + 1);
+        4.0 * total(&self.top, half)
+            + 8.0 * total(&self.side, half)
+            + 3.0 * total(&self.corner, whole)
     }
 
-    /// A row of cells of a face of the cubic tetrahedron.
-    pub(super) fn corner_row(&self, row: usize) -> &[f64] {
-        &self.corner[2 * self.half * row..2 * self.half * (row + 1)]
-    }
-
-    /// Right half of a row of cells of another face; the left half mirrors it.
-    pub(super) fn half_row(&self, face: CubeFace, row: usize) -> &[f64] {
+    /// A row of cells, counted from above.
+    pub(super) fn row(&self, face: CubeFace, row: usize) -> DeltaRow<'_> {
+        if matches!(face, CubeFace::Corner(_)) {
+            let len = 2 * self.half + 1;
+            return DeltaRow {
+                sums: &self.corner[row * len..(row + 1) * len],
+                is_mirrored: false,
+            };
+        }
         let (table, from_centre) = match face {
             CubeFace::Side(_) => (&self.side, self.half - 1 - row),
             _ if row >= self.half => (&self.top, row - self.half),
             _ => (&self.top, self.half - 1 - row),
         };
-        &table[from_centre * self.half..(from_centre + 1) * self.half]
+        let len = self.half + 1;
+        DeltaRow {
+            sums: &table[from_centre * len..(from_centre + 1) * len],
+            is_mirrored: true,
+        }
     }
 }
 
@@ -274,6 +311,26 @@ fn corner_table(cells: usize) -> Vec<f64> {
         }
     }
     table
+}
+
+/// A sum, by rows first so that rounding does not add up.
+fn by_rows(table: &[f64], width: usize) -> f64 {
+    let rows = table.chunks(width).map(|row| row.iter().sum::<f64>());
+    rows.sum()
+}
+
+/// 0 and the running sums of each row.
+fn running_sums(table: &[f64], width: usize) -> Vec<f64> {
+    let mut sums = Vec::with_capacity(table.len() + table.len() / width);
+    for row in table.chunks(width) {
+        let mut sum = 0.0;
+        sums.push(sum);
+        sums.extend(row.iter().map(|delta| {
+            sum += delta;
+            sum
+        }));
+    }
+    sums
 }
 
 /// `∫_0^x ∫_0^y 1 / (π (1 + x² + y²)²)`: factor to a rectangle at height 1 parallel to the element, corner above it.

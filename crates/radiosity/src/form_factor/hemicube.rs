@@ -29,6 +29,9 @@
 //! Rows of clusters panic. Where elements of different size meet, a cell may look through the seam. A patch wider than 16 hemicubes do justice to keeps an error towards what touches it
 //! inside its outline, such as furniture on a floor; smaller patches end it.
 
+mod seen;
+
+use self::seen::{Corners, Receiver, Seen};
 use crate::error::RadiosityError;
 use crate::form_factor::analytic::unoccluded::Rules;
 use crate::form_factor::arrivals::{Arrivals, add};
@@ -36,15 +39,18 @@ pub use crate::form_factor::delta_factors::{CubeFace, DeltaFactors, Projection};
 use crate::form_factor::polygon::FlatPolygon;
 use crate::form_factor::viewpoints::{Viewpoint, Viewpoints};
 use crate::form_factor::{FormFactors, Row};
-use crate::patch::face::Side;
-use crate::patch::{NodeId, NodeKind, PatchMesh};
+use crate::patch::{NodeId, PatchMesh};
 use crate::sampling::{hash, point2};
 use core::f64::consts::PI;
-use glam::{Vec3, Vec4};
+use core::ops::Range;
 use hemicube_raster::Rgb;
-use hemicube_raster::triangle::{ClipVertex, Cull, DepthBuffer, Viewport, draw_ids, draw_triangle};
+use hemicube_raster::triangle::{
+    ClipVertex, Cull, DepthBuffer, Viewport, draw_ids, draw_quad_ids, draw_triangle,
+};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use wide::i32x8;
 
 /// Cells below which a receiver's factor is integrated instead of counted.
 const FEW_CELLS: f64 = 10.0;
@@ -125,6 +131,8 @@ pub struct Hemicube {
     deltas: DeltaFactors,
     bands: usize,
     viewpoints: Viewpoints,
+    /// One for each element.
+    receivers: Vec<Receiver>,
     /// Whether light passes through an element.
     layered: bool,
     /// Buffers that are not in use.
@@ -141,6 +149,9 @@ impl Hemicube {
             deltas: DeltaFactors::of(options.projection, options.resolution)?,
             bands: if mesh.visibility().is_tinted() { 3 } else { 1 },
             viewpoints: Viewpoints::new(mesh.clone(), options.max_points, "hemicubes")?,
+            receivers: (0..mesh.elements().len())
+                .map(|element| Receiver::new(&mesh, element))
+                .collect(),
             layered: mesh.transmittance().iter().any(|t| !t.is_black()),
             spare: Mutex::new(Vec::new()),
             options,
@@ -165,7 +176,7 @@ impl Hemicube {
 
     /// The item buffers of a node's first hemicube.
     pub fn item_buffers(&self, source: NodeId) -> ItemBuffers {
-        let seen = self.transform(&self.viewpoints.of(source)[0]);
+        let seen = self.see(&self.viewpoints.of(source)[0]);
         let public = |item: &u32| match Item::unpack(*item) {
             None => ItemBuffers::NOTHING,
             Some(Item { is_back: true, .. }) => ItemBuffers::ABSORBED,
@@ -191,65 +202,30 @@ impl Hemicube {
         self.options.projection.faces()
     }
 
-    /// Everything above a hemicube's plane in its own frame.
-    fn transform(&self, view: &Viewpoint) -> Seen<'_> {
-        let mesh = &*self.mesh;
-        let [t, b, n] = view.axes;
-        let vertices: Vec<Vec3> = mesh
-            .vertices()
-            .iter()
-            .map(|&v| {
-                let d = v - view.origin;
-                Vec3::new(d.dot(t), d.dot(b), d.dot(n))
-            })
-            .collect();
-        // Of equal depths the first drawn stays: fronts come before backs.
-        let (mut items, mut backs) = (Vec::new(), Vec::new());
-        let mut nearest = mesh.visibility().diameter();
-        for (element, &id) in mesh.elements().iter().enumerate() {
-            let is_above = |&c: &u32| vertices[c as usize].z > 0.0;
-            if !mesh.corners(id).iter().any(is_above) {
-                continue;
+    /// Draws the hemicubes of a node on this thread, for nothing but to know where the time goes.
+    pub fn stage_times(&self, source: NodeId) -> StageTimes {
+        let mut times = StageTimes::default();
+        let mut buffers = self.buffers();
+        for view in self.viewpoints.of(source) {
+            let start = Instant::now();
+            let seen = self.see(&view);
+            times.transform += start.elapsed();
+            for &face in self.faces() {
+                let start = Instant::now();
+                self.draw(&seen, face, &mut buffers);
+                let drawn = Instant::now();
+                self.tally(&seen, face, &mut buffers);
+                times.raster += drawn - start;
+                times.sum += drawn.elapsed();
             }
-            let node = mesh.node(id);
-            let NodeKind::Surface { face, side } = node.kind else {
-                unreachable!("elements are surfaces")
-            };
-            let from_behind = (view.origin - node.centroid).dot(node.normal) <= 0.0;
-            // The other side of a double-sided face is an element of its own.
-            let both_receive = mesh.visibility().receives(face as usize, Side::Back);
-            debug_assert!(
-                both_receive || side == Side::Front,
-                "backs of one-sided faces are no elements"
-            );
-            if from_behind && both_receive {
-                continue;
-            }
-            nearest = self.viewpoints.nearer(view.origin, element, nearest);
-            let item = Item {
-                element,
-                is_back: from_behind || mesh.exposed_area(element) == 0.0,
-            };
-            let list = if item.is_back { &mut backs } else { &mut items };
-            list.push((mesh.corners(id), item.pack()));
+            times.hemicubes += 1;
         }
-        for (_, cell) in mesh.obstructions() {
-            if cell.corners().iter().any(|&c| vertices[c as usize].z > 0.0) {
-                backs.push((cell.corners(), self.obstruction()));
-            }
-        }
-        items.append(&mut backs);
-        let nearest = self
-            .viewpoints
-            .nearer_obstruction(view.origin, None, nearest);
-        // The depth buffer is the finer the farther its near plane.
-        let near = (self.options.projection.least_depth() * nearest)
-            .max(mesh.visibility().offset(view.origin));
-        Seen {
-            vertices,
-            items,
-            near,
-        }
+        self.give_back(buffers);
+        times
+    }
+
+    fn see(&self, view: &Viewpoint) -> Seen {
+        Seen::new(self, view)
     }
 
     /// The item of all obstructions: the back of an element that there is not.
@@ -261,50 +237,26 @@ impl Hemicube {
         item.pack()
     }
 
-    /// Calls `draw` with each triangle that may be in the picture of a face.
-    fn for_each_triangle(
-        &self,
-        seen: &Seen<'_>,
-        face: CubeFace,
-        mut draw: impl FnMut(&[Vec4; 3], u32),
-    ) {
-        for &(indices, item) in &seen.items {
-            let mut corners = [Vec4::ZERO; 4];
-            let is_back = Item::unpack(item).is_some_and(|item| item.is_back);
-            let lag = if is_back { LAG * seen.near } else { 0.0 };
-            for (corner, &i) in corners.iter_mut().zip(indices) {
-                *corner = face.clip(seen.vertices[i as usize], seen.near);
-                corner.z += lag;
-            }
-            let corners = &corners[..indices.len()];
-            let is_outside = corners.iter().all(|c| c.z < 0.0)
-                || corners.iter().all(|c| c.x > c.w)
-                || corners.iter().all(|c| c.x < -c.w)
-                || corners.iter().all(|c| c.y > c.w)
-                || corners.iter().all(|c| c.y < -c.w);
-            if is_outside {
-                continue;
-            }
-            draw(&[corners[0], corners[1], corners[2]], item);
-            if let Some(&last) = corners.get(3) {
-                draw(&[corners[0], corners[2], last], item);
-            }
-        }
-    }
-
     /// The item buffer of one face.
-    fn draw(&self, seen: &Seen<'_>, face: CubeFace, buffers: &mut Buffers) {
+    fn draw(&self, seen: &Seen, face: CubeFace, buffers: &mut Buffers) {
         let viewport = face.viewport(self.options.resolution as usize);
         buffers.clear(viewport);
         let (depth, items) = (&mut buffers.depth, &mut buffers.items);
-        self.for_each_triangle(seen, face, |triangle, item| {
+        seen.for_each_element(face, |corners, item| {
             let rows = 0..viewport.height;
-            draw_ids(rows, viewport, Cull::None, triangle, item, depth, items);
+            match corners {
+                Corners::Triangle(triangle) => {
+                    draw_ids(rows, viewport, Cull::None, triangle, item, depth, items);
+                }
+                Corners::Quad(quad) => {
+                    draw_quad_ids(rows, viewport, Cull::None, quad, item, depth, items);
+                }
+            }
         });
     }
 
     /// The item buffer of what lies behind `buffers.before`.
-    fn draw_behind(&self, seen: &Seen<'_>, face: CubeFace, buffers: &mut Buffers) {
+    fn draw_behind(&self, seen: &Seen, face: CubeFace, buffers: &mut Buffers) {
         let viewport = face.viewport(self.options.resolution as usize);
         buffers.clear(viewport);
         let Buffers {
@@ -313,38 +265,43 @@ impl Hemicube {
             before,
             ..
         } = buffers;
-        self.for_each_triangle(seen, face, |triangle, item| {
-            let vertices = triangle.map(|position| ClipVertex::new(position, []));
-            let rows = 0..viewport.height;
-            draw_triangle(
-                rows,
-                viewport,
-                Cull::None,
-                &vertices,
-                depth,
-                |x, y, z, _| {
-                    let cell = y * viewport.width + x;
-                    let is_behind = z > before[cell];
-                    if is_behind {
-                        items[cell] = item;
-                    }
-                    is_behind
-                },
-            );
+        seen.for_each_element(face, |corners, item| {
+            for triangle in corners.triangles() {
+                let vertices = triangle.map(|position| ClipVertex::new(position, []));
+                draw_triangle(
+                    0..viewport.height,
+                    viewport,
+                    Cull::None,
+                    &vertices,
+                    depth,
+                    |x, y, z, _| {
+                        let cell = y * viewport.width + x;
+                        let is_behind = z > before[cell];
+                        if is_behind {
+                            items[cell] = item;
+                        }
+                        is_behind
+                    },
+                );
+            }
         });
     }
 
     /// What one face of one hemicube sees.
-    fn face_tally(&self, seen: &Seen<'_>, face: CubeFace) -> Tally {
+    fn face_tally(&self, seen: &Seen, face: CubeFace) -> Tally {
         let mut buffers = self.buffers();
         self.draw(seen, face, &mut buffers);
-        let tally = if self.layered {
-            self.peel(seen, face, &mut buffers)
-        } else {
-            self.sum(face, &mut buffers)
-        };
+        let tally = self.tally(seen, face, &mut buffers);
         self.give_back(buffers);
         tally
+    }
+
+    fn tally(&self, seen: &Seen, face: CubeFace, buffers: &mut Buffers) -> Tally {
+        if self.layered {
+            self.peel(seen, face, buffers)
+        } else {
+            self.sum(face, buffers)
+        }
     }
 
     /// Sums the delta factors of an item buffer without transparency.
@@ -363,12 +320,8 @@ impl Hemicube {
             }
         };
         for (row, items) in buffers.items.chunks(width).enumerate() {
-            if matches!(face, CubeFace::Corner(_)) {
-                add_runs(items, self.deltas.corner_row(row).iter(), &mut add);
-            } else {
-                let half_row = self.deltas.half_row(face, row);
-                add_runs(items, half_row.iter().rev().chain(half_row), &mut add);
-            }
+            let shares = self.deltas.row(face, row);
+            for_each_run(items, |item, cells| add(item, shares.of(cells)));
         }
         tally.escaped = [tally.escaped[0]; 3];
         tally.absorbed = [tally.absorbed[0]; 3];
@@ -380,7 +333,7 @@ impl Hemicube {
     }
 
     /// Sums the delta factors of an item buffer and of those behind it, as far as elements let light through.
-    fn peel(&self, seen: &Seen<'_>, face: CubeFace, buffers: &mut Buffers) -> Tally {
+    fn peel(&self, seen: &Seen, face: CubeFace, buffers: &mut Buffers) -> Tally {
         let mut tally = Tally::default();
         let width = self.options.resolution as usize;
         let cells = buffers.items.len();
@@ -512,7 +465,7 @@ impl FormFactors for Hemicube {
         let (views, faces) = (self.viewpoints.of(source), self.faces());
         let mut arrivals = Arrivals::new(self.mesh.elements().len());
         for views in views.chunks(VIEWS_AT_ONCE) {
-            let seen: Vec<Seen<'_>> = views.par_iter().map(|v| self.transform(v)).collect();
+            let seen: Vec<Seen> = views.par_iter().map(|view| self.see(view)).collect();
             let count = faces.len();
             let tallies: Vec<Tally> = (0..count * views.len())
                 .into_par_iter()
@@ -535,36 +488,46 @@ impl FormFactors for Hemicube {
     }
 }
 
-/// Adds up runs of cells with the same item before the item is looked up; cells through which no light passes do not count.
-fn add_runs<'a>(
-    items: &[u32],
-    deltas: impl Iterator<Item = &'a f64>,
-    add: &mut impl FnMut(u32, f64),
-) {
-    let (mut run, mut share) = (items[0], 0.0);
-    items.iter().zip(deltas).for_each(|(&item, &delta)| {
-        if item != run {
-            if share > 0.0 {
-                add(run, share);
-            }
-            (run, share) = (item, 0.0);
+/// Calls `run` with each item of a row and the columns in which it is seen in succession.
+fn for_each_run(items: &[u32], mut run: impl FnMut(u32, Range<usize>)) {
+    let mut start = 0;
+    let mut end_at = |end: usize| {
+        run(items[start], start..end);
+        start = end;
+    };
+    // Most cells see what their neighbour sees: eight are compared at once.
+    let pairs = items.len() - 1;
+    let groups = pairs / 8 * 8;
+    let eight = |from: usize| -> i32x8 {
+        let items: [u32; 8] = items[from..from + 8].try_into().expect("eight items");
+        bytemuck::cast(items)
+    };
+    for group in (0..groups).step_by(8) {
+        let mut ends = !eight(group).simd_eq(eight(group + 1)).to_bitmask() & 0xff;
+        while ends != 0 {
+            end_at(group + ends.trailing_zeros() as usize + 1);
+            ends &= ends - 1;
         }
-        share += delta;
-    });
-    if share > 0.0 {
-        add(run, share);
     }
+    for cell in groups..pairs {
+        if items[cell] != items[cell + 1] {
+            end_at(cell + 1);
+        }
+    }
+    end_at(items.len());
 }
 
-/// What may be seen from a hemicube.
-#[derive(Debug)]
-struct Seen<'a> {
-    /// The mesh's vertices in the hemicube's frame.
-    vertices: Vec<Vec3>,
-    /// Vertices of the elements and obstructions above the plane, with their packed items.
-    items: Vec<(&'a [u32], u32)>,
-    /// Distance of the near planes.
-    near: f32,
+/// How long the hemicubes of a row take on one thread, see [`Hemicube::stage_times`].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct StageTimes {
+    /// Hemicubes drawn.
+    pub hemicubes: usize,
+    /// Bringing everything into their frames, and finding what may appear on which face.
+    pub transform: Duration,
+    /// Clearing and drawing item buffers.
+    pub raster: Duration,
+    /// Summing delta form factors by item, or peeling layers where light passes through elements.
+    pub sum: Duration,
 }
 
 /// What a cell sees.

@@ -318,8 +318,13 @@ pub fn cubature(
     rounding: f64,
     shadows: &mut Shadows,
 ) -> Cubature {
-    let radius = |polygon: &FlatPolygon| polygon.radius(polygon.centre());
-    let (outer, target) = if radius(a) <= radius(b) {
+    // From afar shadows move little: points are taken where occluders are farthest by the polygon's size.
+    let remoteness = |polygon: &FlatPolygon| {
+        let (centre, radius) = (polygon.centre(), polygon.radius(polygon.centre()));
+        let distances = occluders.iter().map(|o| o.polygon.distance(centre));
+        distances.fold(f64::INFINITY, f64::min) / radius
+    };
+    let (outer, target) = if remoteness(a) >= remoteness(b) {
         (a, b)
     } else {
         (b, a)

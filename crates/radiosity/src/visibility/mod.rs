@@ -1,17 +1,21 @@
-//! What sees what: rays against the scene's faces through an `obvhs` BVH.
+//! What sees what: rays against the scene's faces.
+//!
+//! Faces become [`quads`](self::quads), eight of which are tested at once and without gaps along edges, below a
+//! [hierarchy of boxes](self::wide_bvh) with eight children a node.
 
+mod batch;
+mod pairing;
+mod quads;
+mod ray;
+mod wide_bvh;
+
+use self::ray::Ray;
+use self::wide_bvh::WideBvh;
 use crate::patch::face::{Side, WorldFace};
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 use hemicube_raster::Rgb;
 use hemicube_scene::{Material, Scene};
-use obvhs::BvhBuildParams;
-use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::builder::build_cwbvh_from_tris;
-use obvhs::ray::{Ray, RayHit};
-use obvhs::rt_triangle::RtTriangle;
-use obvhs::triangle::Triangle;
 use std::sync::Arc;
-use std::time::Duration;
 
 /// Rays start and end this share of the coordinates' size off the surfaces, so that a surface does not hide itself.
 const OFFSET: f32 = 1e-5;
@@ -36,10 +40,9 @@ pub struct Hit {
 pub struct Visibility {
     scene: Arc<Scene>,
     faces: Arc<[WorldFace]>,
-    bvh: CwBvh,
-    /// Triangles in the order of the BVH's leaves.
-    triangles: Vec<RtTriangle>,
-    face_of_triangle: Vec<u32>,
+    bvh: WideBvh,
+    /// Of each face, side by side: a face itself is far larger, and all that most hits want of it is its side.
+    normals: Vec<Vec3>,
     /// For each face whether light may pass straight through it; empty if none does.
     transmits: Vec<bool>,
     tinted: bool,
@@ -49,7 +52,7 @@ pub struct Visibility {
 impl core::fmt::Debug for Visibility {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Visibility")
-            .field("triangles", &self.triangles.len())
+            .field("faces", &self.faces.len())
             .finish_non_exhaustive()
     }
 }
@@ -57,35 +60,15 @@ impl core::fmt::Debug for Visibility {
 impl Visibility {
     /// Builds the BVH over the faces of a scene.
     pub fn new(scene: Arc<Scene>, faces: Arc<[WorldFace]>) -> Self {
-        let mut triangles = Vec::with_capacity(faces.len() * 2);
-        let mut owners = Vec::with_capacity(faces.len() * 2);
-        for (number, face) in faces.iter().enumerate() {
-            for corners in face.triangles() {
-                let [v0, v1, v2] = corners.map(|c| Vec3A::from(face.corners[c]));
-                triangles.push(Triangle { v0, v1, v2 });
-                owners.push(u32::try_from(number).expect("a mesh has fewer than 2^32 faces"));
-            }
-        }
-        let bvh = build_cwbvh_from_tris(
-            &triangles,
-            BvhBuildParams::medium_build(),
-            &mut Duration::default(),
-        );
-        let ordered = |i: &u32| RtTriangle::from(&triangles[*i as usize]);
         let through: Vec<bool> = scene.materials.iter().map(Material::may_transmit).collect();
         let transmits: Vec<bool> = faces.iter().map(|f| through[f.material as usize]).collect();
         let any = transmits.contains(&true);
         Self {
-            triangles: bvh.primitive_indices.iter().map(ordered).collect(),
-            face_of_triangle: bvh
-                .primitive_indices
-                .iter()
-                .map(|&i| owners[i as usize])
-                .collect(),
             tinted: any && scene.materials.iter().any(|m| m.transmission > 0.0),
             transmits: if any { transmits } else { Vec::new() },
             diameter: diameter(&faces),
-            bvh,
+            normals: faces.iter().map(|face| face.normal).collect(),
+            bvh: WideBvh::new(&pairing::quads(&faces)),
             scene,
             faces,
         }
@@ -123,49 +106,55 @@ impl Visibility {
     /// Sides that do not receive lag behind by an [offset](Self::offset): a plate is often two one-sided faces in one
     /// place, and a ray must meet the front that looks at it, not the back of the other.
     pub fn first_hit(&self, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<Hit> {
-        let ray = ray(origin, direction, max_distance);
-        let mut hit = RayHit::none();
-        let found = self.bvh.ray_traverse(ray, &mut hit, |ray, i| {
-            let t = self.triangles[i].intersect(ray);
-            if t < ray.tmax {
-                t + self.lag(i, direction, origin + direction * t)
-            } else {
-                t
-            }
-        });
-        found.then(|| {
-            let (face, side) = self.met(hit.primitive_id as usize, direction);
-            Hit {
-                face,
-                side,
-                point: origin + direction * hit.t,
-                distance: hit.t,
-            }
+        let ray = Ray::new(origin, direction, max_distance, self.bvh.extent());
+        let lag = |face: u32, distance: f32| self.lag(face as usize, direction, origin, distance);
+        let met = self.bvh.closest(&ray, lag)?;
+        let face = met.face as usize;
+        Some(Hit {
+            face,
+            side: self.side_met(face, direction),
+            point: origin + direction * met.distance,
+            distance: met.distance,
         })
     }
 
-    /// The face of a triangle, and the side that a ray sees of it.
-    fn met(&self, triangle: usize, direction: Vec3) -> (usize, Side) {
-        let face = self.face_of_triangle[triangle] as usize;
-        let facing = self.faces[face].normal.dot(direction) < 0.0;
-        (face, if facing { Side::Front } else { Side::Back })
-    }
-
-    /// How far a hit counts as farther away than it is.
-    fn lag(&self, triangle: usize, direction: Vec3, point: Vec3) -> f32 {
-        let (face, side) = self.met(triangle, direction);
-        if self.receives(face, side) {
-            0.0
+    /// The side that a ray meets of a face.
+    fn side_met(&self, face: usize, direction: Vec3) -> Side {
+        if self.normals[face].dot(direction) < 0.0 {
+            Side::Front
         } else {
-            self.offset(point)
+            Side::Back
         }
     }
 
-    /// Whether nothing at all lies between two points, each already off its surface.
-    fn is_clear(&self, from: Vec3, to: Vec3) -> bool {
-        let ray = segment(from, to);
+    /// How far a hit counts as farther away than it is.
+    fn lag(&self, face: usize, direction: Vec3, origin: Vec3, distance: f32) -> f32 {
+        if self.receives(face, self.side_met(face, direction)) {
+            0.0
+        } else {
+            self.offset(origin + direction * distance)
+        }
+    }
+
+    /// Whether nothing at all lies between two points, each already off its surface. Panes and holes of alpha masks
+    /// are in the way too.
+    pub fn is_clear(&self, from: Vec3, to: Vec3) -> bool {
         self.bvh
-            .ray_traverse_miss(ray, |ray, i| self.triangles[i].intersect(ray))
+            .is_clear(&Ray::between(from, to, self.bvh.extent()))
+    }
+
+    /// [`Self::is_clear`] of many segments, in two thirds of the time.
+    ///
+    /// # Panics
+    /// If `clear` does not have the length of `segments`.
+    pub fn clear_segments(&self, segments: &[(Vec3, Vec3)], clear: &mut [bool]) {
+        assert!(
+            segments.len() == clear.len(),
+            "{} answers for {} segments",
+            clear.len(),
+            segments.len()
+        );
+        self.bvh.clear_segments(segments, clear);
     }
 
     /// Share of light in each band that gets from one point to another, each already off its surface.
@@ -178,18 +167,11 @@ impl Visibility {
             };
         }
         let mut through = Rgb::WHITE;
-        let ray = segment(from, to);
-        let clear = self.bvh.ray_traverse_miss(ray, |ray, i| {
-            let t = self.triangles[i].intersect(ray);
-            if t > ray.tmax {
-                return f32::INFINITY;
-            }
-            let face = self.face_of_triangle[i] as usize;
-            if !self.transmits[face] {
-                return t;
-            }
-            through *= self.transmittance_at(face, from + Vec3::from(ray.direction) * t);
-            if through.is_black() { t } else { f32::INFINITY }
+        let ray = Ray::between(from, to, self.bvh.extent());
+        let clear = self.bvh.passes(&ray, |met| {
+            let face = met.face as usize;
+            through *= self.transmittance_at(face, from.lerp(to, met.distance));
+            through.is_black()
         });
         if clear { through } else { Rgb::BLACK }
     }
@@ -230,23 +212,6 @@ impl Visibility {
         }
         Rgb::BLACK
     }
-}
-
-/// A ray from its origin. Adding 0 turns components of -0 into 0: the traversal takes the octant from the sign of the
-/// direction in one place and from that of its inverse in another, and loses rays where they differ.
-fn ray(origin: Vec3, direction: Vec3, max_distance: f32) -> Ray {
-    Ray::new(
-        origin.into(),
-        (direction + Vec3::ZERO).into(),
-        0.0,
-        max_distance,
-    )
-}
-
-/// The ray from one point to another, of unit length: the traversal's limits on small components are absolute.
-fn segment(from: Vec3, to: Vec3) -> Ray {
-    let length = from.distance(to);
-    ray(from, (to - from) / length.max(f32::MIN_POSITIVE), length)
 }
 
 fn diameter(faces: &[WorldFace]) -> f32 {
