@@ -195,7 +195,20 @@ pub fn draw_triangle<const N: usize>(
     });
 }
 
+#[inline(always)]
 fn check_band(rows: &Range<usize>, viewport: Viewport, len: usize) {
+    let fits = viewport.width.max(viewport.height) <= Viewport::MAX_SIDE
+        && rows.start <= rows.end
+        && rows.end <= viewport.height
+        && len == (rows.end - rows.start) * viewport.width;
+    if !fits {
+        refuse_band(rows, viewport, len);
+    }
+}
+
+/// Says what is wrong with a band. Apart, so that checking is a few instructions: most triangles are tiny.
+#[cold]
+fn refuse_band(rows: &Range<usize>, viewport: Viewport, len: usize) -> ! {
     assert!(
         viewport.width.max(viewport.height) <= Viewport::MAX_SIDE,
         "a picture of {} x {} pixels, at most {} per side can be drawn",
@@ -208,8 +221,7 @@ fn check_band(rows: &Range<usize>, viewport: Viewport, len: usize) {
         "rows {rows:?} of a picture of {} rows",
         viewport.height
     );
-    assert!(
-        len == rows.len() * viewport.width,
+    panic!(
         "a band of {len} pixels for {} rows of {} pixels",
         rows.len(),
         viewport.width
@@ -488,8 +500,8 @@ impl Depths {
 #[derive(Debug, Clone, Copy)]
 struct Facet<'a, const N: usize> {
     corners: [&'a Corner<N>; 3],
-    /// `1 / (2 area)` in 1/pixels².
-    inverse_area: f64,
+    /// Sub-pixels in a pixel's side over twice the area in square sub-pixels.
+    per_pixel: f64,
     columns: [i64; 2],
     rows: [i64; 2],
 }
@@ -510,7 +522,7 @@ impl<'a, const N: usize> Facet<'a, N> {
         let [b, c] = if area > 0 { [b, c] } else { [c, b] };
         Some(Self {
             corners: [a, b, c],
-            inverse_area: (SUBPIXELS * SUBPIXELS) as f64 / area.abs() as f64,
+            per_pixel: SUBPIXELS as f64 / area.abs() as f64,
             columns,
             rows,
         })
@@ -520,12 +532,12 @@ impl<'a, const N: usize> Facet<'a, N> {
     fn slopes(&self, quantity: impl Fn(&Corner<N>) -> f64) -> Slopes {
         let [a, b, c] = self.corners;
         let [origin, at_b, at_c] = self.corners.map(quantity);
-        let pixels = |from: i64, to: i64| (to - from) as f64 / SUBPIXELS as f64;
+        let subpixels = |from: i64, to: i64| (to - from) as f64;
         let (to_b, to_c) = (at_b - origin, at_c - origin);
         Slopes {
             origin,
-            dx: (to_b * pixels(a.y, c.y) - to_c * pixels(a.y, b.y)) * self.inverse_area,
-            dy: (to_c * pixels(a.x, b.x) - to_b * pixels(a.x, c.x)) * self.inverse_area,
+            dx: (to_b * subpixels(a.y, c.y) - to_c * subpixels(a.y, b.y)) * self.per_pixel,
+            dy: (to_c * subpixels(a.x, b.x) - to_b * subpixels(a.x, c.x)) * self.per_pixel,
             low: origin.min(at_b).min(at_c),
             high: origin.max(at_b).max(at_c),
         }

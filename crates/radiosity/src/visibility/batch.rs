@@ -62,8 +62,8 @@ impl WideBvh {
     ///
     /// What a ray meets next cannot be foreseen, and a processor that follows one ray stalls at every step, for the
     /// guess that was wrong and for the memory that was not at hand. Here a step of one ray does not wait for that of
-    /// the next. Sorting the segments by octant and Morton code of their origins makes the walk another 10 % faster and
-    /// costs more than that.
+    /// the next. Sorting the segments by octant and Morton code of their origins makes the walk a few
+    /// percent faster and costs more than that.
     pub(super) fn clear_segments(&self, segments: &[(Vec3, Vec3)], clear: &mut [bool]) {
         clear.fill(true);
         let mut rays = Box::new(Rays {

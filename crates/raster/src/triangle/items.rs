@@ -412,7 +412,7 @@ impl Extent {
         let [b, c] = if area > 0 { [b, c] } else { [c, b] };
         Facet {
             corners: [a, b, c],
-            inverse_area: (SUBPIXELS * SUBPIXELS) as f64 / area.abs() as f64,
+            per_pixel: SUBPIXELS as f64 / area.abs() as f64,
             columns: self.columns,
             rows: self.rows,
         }
