@@ -165,8 +165,8 @@ fn every_method_gives_about_the_same_and_each_run_exactly() {
 #[test]
 fn faces_and_objects_of_a_built_in_scene() {
     let folder = Folder::new();
-    let faces = folder.json(&["form-factors", "cornell", "--rays", "256"]);
-    let objects = folder.json(&["form-factors", "cornell", "--rays", "256", "--by", "object"]);
+    let faces = folder.json(&["form-factors", "cornell"]);
+    let objects = folder.json(&["form-factors", "cornell", "--by", "object"]);
     let count = |report: &Value| report["surfaces"].as_array().expect("a list").len();
     assert!(
         count(&faces) > count(&objects),

@@ -418,8 +418,11 @@ impl View<'_> {
             let (all, seen) = self.factors(centre);
             let bend = (area * (all - seen) - (whole - visible)).abs();
             error = BEND * bend + SPREAD * area * (most - least);
-            let is_all_hidden = visible <= 0.0 && seen <= 0.0;
-            if is_all_hidden || (most <= 0.0 && all == seen) {
+            // Cuts that miss leave rounding.
+            let rounding = 1e-9 * whole;
+            let nothing_hidden = area * most.max(all - seen) <= rounding;
+            let nothing_seen = visible.max(area * seen) <= rounding;
+            if nothing_hidden || nothing_seen {
                 error = UNSEEN * whole * 0.25_f64.powi(depth);
             }
         }
