@@ -5,15 +5,22 @@
 //! means over the exposed part. A point is buried if every probing ray from it meets the absorbing back of a face.
 
 use crate::patch::face::Side;
-use crate::patch::{PatchMesh, Polygon};
+use crate::patch::{NodeId, PatchMesh, Polygon};
 use crate::sampling::{cosine_direction, point_in_polygon, point2, polygon_point};
 use crate::stop::Stop;
 use crate::visibility::Visibility;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Points that are probed on each element, as many as a mask has bits.
+/// Points of which each element remembers whether they are exposed, as many as a mask has bits.
 const POINTS: u32 = 16;
+/// Points that tell that an element is exposed all over: of meshes of few elements, which are large, more.
+const FIRST_POINTS: u32 = 4;
+const FIRST_POINTS_OF_FEW: u32 = 64;
+const FEW_ELEMENTS: usize = 1000;
+/// Points that measure the exposed areas of all elements that are partly buried, and most of one.
+const MEASURING_POINTS: usize = 1 << 17;
+const MOST_MEASURING_POINTS: usize = 1 << 12;
 /// Rays of which all must meet backs. The first goes along the normal and decides nearly always; as many as this it
 /// takes to tell the inside of a solid from the floor under a one-sided roof.
 const RAYS: u32 = 70;
@@ -24,11 +31,15 @@ pub struct ExposedPoints(u16);
 
 impl ExposedPoints {
     const ALL: Self = Self(u16::MAX);
+}
 
-    /// Exposed share of the area, to a sixteenth.
-    pub fn share(self) -> f32 {
-        self.0.count_ones() as f32 / POINTS as f32
-    }
+/// What is known of an element's exposure.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Exposure {
+    /// Some of its points.
+    pub(super) points: ExposedPoints,
+    /// Share of the area.
+    pub(super) share: f32,
 }
 
 /// The exposed part of an element, to take points from.
@@ -36,14 +47,21 @@ impl ExposedPoints {
 pub struct ExposedArea {
     polygon: Polygon,
     area: f32,
+    exposed_area: f32,
     points: ExposedPoints,
 }
 
 impl ExposedArea {
-    pub(super) fn new(polygon: Polygon, area: f32, points: ExposedPoints) -> Self {
+    pub(super) fn new(
+        polygon: Polygon,
+        area: f32,
+        exposed_area: f32,
+        points: ExposedPoints,
+    ) -> Self {
         Self {
             polygon,
             area,
+            exposed_area,
             points,
         }
     }
@@ -60,7 +78,7 @@ impl ExposedArea {
 
     /// Area of the exposed part.
     pub fn area(&self) -> f32 {
-        self.area * self.points.share()
+        self.exposed_area
     }
 
     /// A point of the exposed part for one of the unit square: uniform where all is exposed, else one of the probed
@@ -89,36 +107,66 @@ fn nth(sample: f32, count: u32) -> u32 {
 }
 
 /// Probes all elements of a mesh; none if it was stopped.
-pub(super) fn of_elements(mesh: &PatchMesh, stop: Stop<'_>) -> Option<Vec<ExposedPoints>> {
-    mesh.elements()
-        .par_iter()
-        .map(|&id| {
-            if stop() {
-                return None;
-            }
-            let (polygon, normal) = (mesh.polygon(id), mesh.node(id).normal);
-            let exposed = |bit: u32| {
-                !is_buried(
-                    mesh.visibility(),
-                    point_in_polygon(&polygon, bit, 0),
-                    normal,
-                )
-            };
-            // Nearly all elements are exposed all over, which a few points tell.
-            let first = (0..4).filter(|&bit| exposed(bit)).count();
-            let corners = polygon.iter().filter(|&&c| {
-                !is_buried(mesh.visibility(), c.lerp(centre(&polygon), 0.05), normal)
-            });
-            if first == 4 && corners.count() == polygon.len() {
-                return Some(ExposedPoints::ALL);
-            }
-            Some(ExposedPoints(
-                (0..POINTS)
-                    .filter(|&bit| exposed(bit))
-                    .fold(0, |mask, bit| mask | 1 << bit),
-            ))
+pub(super) fn of_elements(mesh: &PatchMesh, stop: Stop<'_>) -> Option<Vec<Exposure>> {
+    let first_points = if mesh.elements().len() <= FEW_ELEMENTS {
+        FIRST_POINTS_OF_FEW
+    } else {
+        FIRST_POINTS
+    };
+    let elements = mesh.elements().par_iter();
+    let points: Option<Vec<Option<ExposedPoints>>> = elements
+        .map(|&id| (!stop()).then(|| partial(mesh, id, first_points)))
+        .collect();
+    let points = points?;
+    let partial = points.iter().filter(|points| points.is_some()).count();
+    let measuring =
+        (MEASURING_POINTS / partial.max(1)).clamp(POINTS as usize, MOST_MEASURING_POINTS);
+    let measuring = crate::index32(measuring);
+    let elements = mesh.elements().par_iter().zip(points);
+    elements
+        .map(|(&id, points)| {
+            (!stop()).then(|| match points {
+                None => Exposure {
+                    points: ExposedPoints::ALL,
+                    share: 1.0,
+                },
+                Some(points) => Exposure {
+                    points,
+                    share: share(mesh, id, points, measuring),
+                },
+            })
         })
         .collect()
+}
+
+/// The exposed points of an element; none if it seems to be exposed all over.
+fn partial(mesh: &PatchMesh, id: NodeId, first_points: u32) -> Option<ExposedPoints> {
+    let (polygon, normal) = (mesh.polygon(id), mesh.node(id).normal);
+    let is_exposed = |point: Vec3| !is_buried(mesh.visibility(), point, normal);
+    let probed = |point: u32| is_exposed(point_in_polygon(&polygon, point, 0));
+    let mut corners = polygon.iter();
+    if (0..first_points).all(probed) && corners.all(|&c| is_exposed(c.lerp(centre(&polygon), 0.05)))
+    {
+        return None;
+    }
+    let exposed = (0..POINTS).filter(|&bit| probed(bit));
+    Some(ExposedPoints(exposed.fold(0, |mask, bit| mask | 1 << bit)))
+}
+
+/// The exposed share of an element's area; 0 where no exposed point is known.
+fn share(mesh: &PatchMesh, id: NodeId, points: ExposedPoints, count: u32) -> f32 {
+    if points.0 == 0 {
+        return 0.0;
+    }
+    let (polygon, normal) = (mesh.polygon(id), mesh.node(id).normal);
+    let is_exposed = |&point: &u32| {
+        !is_buried(
+            mesh.visibility(),
+            point_in_polygon(&polygon, point, 0),
+            normal,
+        )
+    };
+    (0..count).filter(is_exposed).count() as f32 / count as f32
 }
 
 fn centre(polygon: &[Vec3]) -> Vec3 {

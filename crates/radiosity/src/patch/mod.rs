@@ -238,9 +238,16 @@ impl PatchMesh {
         if mesh.grow(sizes, stop).is_none() || mesh.average_materials(stop).is_none() {
             return Err(stopped);
         }
-        mesh.exposure = exposure::of_elements(&mesh, stop).ok_or(stopped)?;
-        let area = |(points, &id): (&ExposedPoints, &NodeId)| points.share() * mesh.node(id).area;
-        mesh.exposed_area = mesh.exposure.iter().zip(&mesh.elements).map(area).collect();
+        let exposure = exposure::of_elements(&mesh, stop).ok_or(stopped)?;
+        mesh.exposed_area = exposure
+            .iter()
+            .zip(&mesh.elements)
+            .map(|(exposure, &id)| exposure.share * mesh.node(id).area)
+            .collect();
+        mesh.exposure = exposure
+            .into_iter()
+            .map(|exposure| exposure.points)
+            .collect();
         Ok(mesh)
     }
 
@@ -272,7 +279,12 @@ impl PatchMesh {
     /// The part of an element that is not buried inside a solid; light is received and radiated there.
     pub fn exposed(&self, element: usize) -> ExposedArea {
         let id = self.elements[element];
-        ExposedArea::new(self.polygon(id), self.node(id).area, self.exposure[element])
+        ExposedArea::new(
+            self.polygon(id),
+            self.node(id).area,
+            self.exposed_area[element],
+            self.exposure[element],
+        )
     }
 
     /// Area of the exposed part of an element. Irradiance and radiosity are means over this part.

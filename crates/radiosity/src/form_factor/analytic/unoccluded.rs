@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | far apart | product of Gauss rules of 2, 3, 4 points each way on both polygons | 16, 81, 256 kernels |
 //! | one polygon small beside its distance to the other | Lambert's exact factor of a point, averaged by Gauss rules of 2, 3, 4 points each way | 4, 9, 16 contours |
-//! | all others, touching ones too | [`exchange`](super::exchange::exchange), to rounding | |
+//! | all others, touching ones too | [`exchange`], to rounding | |
 //!
 //! # Error
 //! The kernel of two polygons with radii `r_a`, `r_b` and centres d apart is analytic as long as `r_a + r_b < d`; a
