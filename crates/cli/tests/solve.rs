@@ -224,7 +224,7 @@ fn time_ends_it_with_a_file_to_go_on_from() {
         "--tolerance",
         "0",
         "--time",
-        "300ms",
+        "3s",
         "-o",
         "lit.glb",
     ]);

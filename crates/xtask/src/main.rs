@@ -92,7 +92,9 @@ fn gallery() -> bool {
     };
     let office = "solve office --quality final --size 960x540 --image assets/office.png";
     let cornell = "solve cornell --solver sorted-shooting --size 400x400 --exposure 1";
+    let compare = "compare cornell --steps 100 -o assets/compare.png";
     run(&office.split(' ').collect::<Vec<_>>())
+        && run(&compare.split(' ').collect::<Vec<_>>())
         && shots.iter().all(|shots| {
             let picture = format!("assets/cornell-{shots}.png");
             let options = ["--iterations", shots, "--image", &picture];

@@ -367,8 +367,9 @@ pub(super) struct Lost {
 }
 
 impl Lost {
-    /// Sky and absorbed share of a row of which `received` is known better than these are: the rest, as far as it is
-    /// within three standard errors of what the rays saw; nothing if they saw nothing lost.
+    /// Sky and absorbed share of a row of which `received` is known far better than these are: the rest, as far as it is
+    /// what the rays saw within five standard errors and a fiftieth, because of buried parts; nothing if they saw
+    /// nothing lost.
     pub fn beside(&self, received: f64) -> (f64, f64) {
         let lost = self.absorbed + self.escaped;
         if lost <= 0.0 {

@@ -19,8 +19,8 @@ const FIRST_POINTS: u32 = 4;
 const FIRST_POINTS_OF_FEW: u32 = 64;
 const FEW_ELEMENTS: usize = 1000;
 /// Points that measure the exposed areas of all elements that are partly buried, and most of one.
-const MEASURING_POINTS: usize = 1 << 17;
-const MOST_MEASURING_POINTS: usize = 1 << 12;
+const MEASURING_POINTS: usize = 1 << 14;
+const MOST_MEASURING_POINTS: usize = 1 << 11;
 /// Rays of which all must meet backs. The first goes along the normal and decides nearly always; as many as this it
 /// takes to tell the inside of a solid from the floor under a one-sided roof.
 const RAYS: u32 = 70;

@@ -307,6 +307,16 @@ impl Node {
     }
 }
 
+/// Whether a hit at a distance comes before the best so far, each with its lag: that counts only between one that lags
+/// and one that does not, so that what is added to both costs no digits.
+fn comes_first((distance, lag): (f32, f32), (best, best_lag): (Met, f32)) -> bool {
+    match (lag > 0.0, best_lag > 0.0) {
+        (true, false) => distance + lag < best.distance,
+        (false, true) => distance < best.distance + best_lag,
+        _ => distance < best.distance,
+    }
+}
+
 /// The numbers of the bits that are set, from the uppermost down.
 fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
@@ -354,9 +364,10 @@ impl WideBvh {
         self.packs[pack].meet(ray, ray.length).any()
     }
 
-    /// The first surface along a ray, where a hit of a face at a distance counts as farther away by `lag`.
+    /// The first surface along a ray. A face that lags by more than 0 at its hit stands back behind one that does not
+    /// and is met that much later at most.
     pub(super) fn closest(&self, ray: &Ray, lag: impl Fn(u32, f32) -> f32) -> Option<Met> {
-        let mut best = None;
+        let mut best: Option<(Met, f32)> = None;
         let mut length = ray.length;
         let mut stack = [(0.0, Child::ROOT); STACK];
         let mut len = 1;
@@ -371,10 +382,11 @@ impl WideBvh {
                 if hits.any() {
                     for (which, (mask, distances)) in hits.by_triangle().iter().enumerate() {
                         for lane in bits(*mask) {
-                            let face = self.faces[pack][lane][which];
-                            let distance = distances[lane] + lag(face, distances[lane]);
-                            if distance < length || best.is_none() {
-                                (length, best) = (distance, Some(face));
+                            let (face, distance) = (self.faces[pack][lane][which], distances[lane]);
+                            let lag = lag(face, distance);
+                            if best.is_none_or(|best| comes_first((distance, lag), best)) {
+                                best = Some((Met { face, distance }, lag));
+                                length = distance + lag;
                             }
                         }
                     }
@@ -395,10 +407,7 @@ impl WideBvh {
                 len += 1;
             }
         }
-        best.map(|face| Met {
-            face,
-            distance: length,
-        })
+        best.map(|(met, _)| met)
     }
 
     /// Calls `stops` with what a ray meets, in no order, until that returns true. Whether it never did.
