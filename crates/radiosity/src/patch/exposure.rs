@@ -46,22 +46,22 @@ pub(super) struct Exposure {
 #[derive(Debug, Clone, Copy)]
 pub struct ExposedArea {
     polygon: Polygon,
+    whole_area: f32,
     area: f32,
-    exposed_area: f32,
     points: ExposedPoints,
 }
 
 impl ExposedArea {
     pub(super) fn new(
         polygon: Polygon,
+        whole_area: f32,
         area: f32,
-        exposed_area: f32,
         points: ExposedPoints,
     ) -> Self {
         Self {
             polygon,
+            whole_area,
             area,
-            exposed_area,
             points,
         }
     }
@@ -73,12 +73,12 @@ impl ExposedArea {
 
     /// Area of the whole element.
     pub fn whole_area(&self) -> f32 {
-        self.area
+        self.whole_area
     }
 
     /// Area of the exposed part.
     pub fn area(&self) -> f32 {
-        self.exposed_area
+        self.area
     }
 
     /// A point of the exposed part for one of the unit square: uniform where all is exposed, else one of the probed
