@@ -111,7 +111,8 @@ impl<'a> Solids<'a> {
             count += 1;
             name = format!("{wanted} ({count})");
         }
-        self.vertices.clear();
+        // Not cleared: that would take as long as the largest solid, for each of many small ones.
+        self.vertices = HashMap::new();
         self.done.push(Mesh {
             name,
             ..Mesh::default()
@@ -220,9 +221,11 @@ fn text(bytes: &[u8], solids: &mut Solids<'_>, report: &mut ImportReport) {
     let mut facet: Option<usize> = None;
     let mut unknown = 0_usize;
     let text = String::from_utf8_lossy(bytes);
+    // Lines end in LF, in CR LF, or on very old machines in CR alone.
+    let line_end = if text.contains('\n') { '\n' } else { '\r' };
     for (i, line) in text
         .trim_start_matches('\u{feff}')
-        .split(['\n', '\r'])
+        .split(line_end)
         .enumerate()
     {
         let line = line.trim();

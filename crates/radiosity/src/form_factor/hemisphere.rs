@@ -42,6 +42,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Cells whose rays one thread casts before the next piece of work is handed out.
 const CHUNK: u32 = 512;
+/// Pieces of work that are handed out together.
+const CHUNKS_AT_ONCE: u32 = 512;
 
 /// How fine hemispheres are, and how many a patch may get.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -247,6 +249,28 @@ impl Hemisphere {
     }
 }
 
+impl Hemisphere {
+    /// Adds what rays of one weight met.
+    fn add(&self, met: &[Arrival], escaped: Rgb, weight: f64, arrivals: &mut Arrivals) {
+        let mesh = &*self.mesh;
+        let weighted = |share: Rgb| [0, 1, 2].map(|band| f64::from(share[band]) * weight);
+        add(&mut arrivals.escaped, weighted(escaped));
+        for &(element, taken) in met {
+            if element == mesh.elements().len() {
+                add(&mut arrivals.absorbed, weighted(taken));
+                continue;
+            }
+            // A row says what arrives, of which the element keeps all but its mean transmittance.
+            let through = mesh.transmittance()[element];
+            let arriving = [0, 1, 2].map(|band| {
+                let kept = 1.0 - through[band];
+                if kept > 1e-6 { taken[band] / kept } else { 0.0 }
+            });
+            add(&mut arrivals.received[element], weighted(arriving.into()));
+        }
+    }
+}
+
 impl FormFactors for Hemisphere {
     fn mesh(&self) -> &Arc<PatchMesh> {
         &self.mesh
@@ -257,40 +281,27 @@ impl FormFactors for Hemisphere {
         let (nothing, cells) = (mesh.elements().len(), self.disk.cells());
         let points = self.viewpoints.of(source);
         let chunks = cells.div_ceil(CHUNK);
-        let jobs: Vec<(usize, Range<u32>)> = (0..points.len())
-            .flat_map(|point| (0..chunks).map(move |chunk| (point, chunk)))
-            .map(|(point, chunk)| (point, chunk * CHUNK..((chunk + 1) * CHUNK).min(cells)))
-            .collect();
         let seed = hash(u64::from(source.0), self.options.seed);
-        let cast: Vec<(Vec<Arrival>, Rgb)> = jobs
-            .par_iter()
-            .map(|(point, cells)| {
-                let seed = hash(seed, *point as u64);
-                self.cast(&points[*point], seed, cells.clone())
-            })
-            .collect();
-        self.rays
-            .fetch_add(points.len() as u64 * u64::from(cells), Ordering::Relaxed);
-
         let mut arrivals = Arrivals::new(nothing);
-        for ((point, _), (met, escaped)) in jobs.iter().zip(cast) {
-            let weight = points[*point].weight / f64::from(cells);
-            let weighted = |share: Rgb| [0, 1, 2].map(|band| f64::from(share[band]) * weight);
-            add(&mut arrivals.escaped, weighted(escaped));
-            for (element, taken) in met {
-                if element == nothing {
-                    add(&mut arrivals.absorbed, weighted(taken));
-                    continue;
+        // Some chunks at a time, so that arrivals take little memory however many cells there are.
+        for (number, point) in (0..).zip(&points) {
+            let seed = hash(seed, number);
+            let weight = point.weight / f64::from(cells);
+            for first in (0..chunks).step_by(CHUNKS_AT_ONCE as usize) {
+                let cast: Vec<(Vec<Arrival>, Rgb)> = (first..(first + CHUNKS_AT_ONCE).min(chunks))
+                    .into_par_iter()
+                    .map(|chunk| {
+                        let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(cells);
+                        self.cast(point, seed, range)
+                    })
+                    .collect();
+                for (met, escaped) in cast {
+                    self.add(&met, escaped, weight, &mut arrivals);
                 }
-                // A row says what arrives, of which the element keeps all but its mean transmittance.
-                let through = mesh.transmittance()[element];
-                let arriving = [0, 1, 2].map(|band| {
-                    let kept = 1.0 - through[band];
-                    if kept > 1e-6 { taken[band] / kept } else { 0.0 }
-                });
-                add(&mut arrivals.received[element], weighted(arriving.into()));
             }
         }
+        self.rays
+            .fetch_add(points.len() as u64 * u64::from(cells), Ordering::Relaxed);
         arrivals.write(mesh, self.bands, row);
     }
 

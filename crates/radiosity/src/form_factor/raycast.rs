@@ -243,9 +243,9 @@ impl RayCast {
     }
 
     /// Makes a row of received factors account for everything; see the end of the module's page.
-    pub(super) fn close_row(&self, source: NodeId, row: &mut Row) {
+    pub(super) fn close_row(&self, source: NodeId, is_exact: bool, row: &mut Row) {
         let (backs, outside, rays) = self.probe(&Shooter::new(&self.mesh, source));
-        close(&self.mesh, row, true, backs, outside, rays);
+        close(&self.mesh, row, is_exact, backs, outside, rays);
     }
 
     /// Casts cosine-distributed rays from a patch; `meet` adds what a surface keeps of a ray to the chunk's tally.

@@ -18,8 +18,9 @@ const POINTS: u32 = 16;
 const FIRST_POINTS: u32 = 4;
 const FIRST_POINTS_OF_FEW: u32 = 64;
 const FEW_ELEMENTS: usize = 1000;
-/// Points that measure the exposed areas of all elements that are partly buried, and most of one.
+/// Points that measure the exposed areas of all elements that are partly buried, least and most of one.
 const MEASURING_POINTS: usize = 1 << 14;
+const LEAST_MEASURING_POINTS: usize = 64;
 const MOST_MEASURING_POINTS: usize = 1 << 11;
 /// Rays of which all must meet backs. The first goes along the normal and decides nearly always; as many as this it
 /// takes to tell the inside of a solid from the floor under a one-sided roof.
@@ -52,12 +53,7 @@ pub struct ExposedArea {
 }
 
 impl ExposedArea {
-    pub(super) fn new(
-        polygon: Polygon,
-        whole_area: f32,
-        area: f32,
-        points: ExposedPoints,
-    ) -> Self {
+    pub(super) fn new(polygon: Polygon, whole_area: f32, area: f32, points: ExposedPoints) -> Self {
         Self {
             polygon,
             whole_area,
@@ -120,7 +116,7 @@ pub(super) fn of_elements(mesh: &PatchMesh, stop: Stop<'_>) -> Option<Vec<Exposu
     let points = points?;
     let partial = points.iter().filter(|points| points.is_some()).count();
     let measuring =
-        (MEASURING_POINTS / partial.max(1)).clamp(POINTS as usize, MOST_MEASURING_POINTS);
+        (MEASURING_POINTS / partial.max(1)).clamp(LEAST_MEASURING_POINTS, MOST_MEASURING_POINTS);
     let measuring = crate::index32(measuring);
     let elements = mesh.elements().par_iter().zip(points);
     elements

@@ -39,6 +39,8 @@ impl Interior {
                 *sum += a * f64::from(reflectance[band]);
             }
         }
+        // Nothing is lit where all is buried.
+        let area = area.max(f64::MIN_POSITIVE);
         Self {
             area,
             reflectance: reflecting.map(|sum| (sum / area).min(0.999)),

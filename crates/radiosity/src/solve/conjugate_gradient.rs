@@ -60,8 +60,11 @@ impl Descent {
     /// The next direction; none where the shadow has become blind to the residual.
     fn turn(&mut self, residual: &[f64], areas: &[f64]) {
         let rho = dot(&self.shadow, residual, areas);
+        // Below it only rounding is left of their product, and the step would be anything.
+        let sizes = dot(&self.shadow, &self.shadow, areas) * dot(residual, residual, areas);
+        let is_breakdown = rho * rho <= 1e-24 * sizes;
         let beta = rho / self.rho * (self.alpha / self.omega);
-        if self.is_over || rho == 0.0 || !beta.is_finite() {
+        if self.is_over || is_breakdown || !beta.is_finite() {
             self.is_over = true;
             self.direction.fill(0.0);
             return;

@@ -108,7 +108,7 @@ pub struct Overshooting {
 
 /// `κ / (A (1 - ρ̄ κ))` with the mean reflectance ρ̄ and the share κ of light that meets a patch.
 fn gain(system: &System<'_>, channel: usize) -> f64 {
-    let area: f64 = system.areas.iter().sum();
+    let area = system.areas.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let mean = |of: &dyn Fn(usize) -> f64| -> f64 {
         let products = system.areas.iter().enumerate().map(|(i, a)| a * of(i));
         products.sum::<f64>() / area

@@ -376,6 +376,12 @@ fn place(
 
 /// Adds a convex polygon as quads and triangles.
 fn add_faces(mesh: &mut Mesh, polygon: &[DVec3], normal: DVec3) {
+    // A vertex given twice in succession makes a triangle of a quad.
+    let mut polygon = polygon.to_vec();
+    polygon.dedup();
+    if polygon.len() > 1 && polygon.first() == polygon.last() {
+        polygon.pop();
+    }
     let n = polygon.len();
     let is_corner = |&i: &usize| {
         let (before, here, after) = (polygon[(i + n - 1) % n], polygon[i], polygon[(i + 1) % n]);

@@ -9,6 +9,8 @@
 //! [`Analytic`] fills rows; for all patches at once it computes each pair but once (`A_a F_ab = A_b F_ba`), in blocks
 //! of neighbours that share their shaft's occluders.
 //!
+//! Two faces in one plane that overlap and look the same way, such as a rug drawn on its floor, both count as seen.
+//!
 //! [`exchange`](fn@exchange) and [`occluded_exchange`] are the same for polygons that belong to no scene.
 
 pub mod exchange;
@@ -28,7 +30,7 @@ use crate::error::RadiosityError;
 use crate::form_factor::matrix::DenseRows;
 use crate::form_factor::polygon::{FlatPolygon, facing_parts, point_to_polygon};
 use crate::form_factor::{FormFactors, RayCast, RayCastOptions, Row};
-use crate::patch::face::WorldFace;
+use crate::patch::face::{Side, WorldFace};
 use crate::patch::{NodeId, NodeKind, PatchMesh};
 use crate::sampling::{hash, point2};
 use crate::stop::Stop;
@@ -55,7 +57,8 @@ const RAYS_PER_POINT: u32 = 16;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnalyticOptions {
     /// Wanted error: of factors without obstruction, relative, RMS where the rules change (rows sum to 1 within it);
-    /// of obstructed ones, the estimated absolute error of the factor from the smaller of both. From 1e-9 to 0.1.
+    /// of obstructed ones, the estimated absolute error of the factor from the smaller of both, as far as 4096 cells of
+    /// its cubature reach. From 1e-9 to 0.1.
     /// Default value: 1e-5.
     pub error: f64,
     /// Shifts the sequences of rays, where they are needed. Default value: 0.
@@ -78,7 +81,7 @@ impl AnalyticOptions {
     }
 }
 
-/// Analytic form factors between the nodes of a mesh.
+/// Analytic form factors between the nodes of a mesh. Rows of clusters panic.
 ///
 /// Pairs through panes and alpha masks, and pairs with more than 24 surfaces in their shaft, get the exact factor without
 /// obstruction times the share of rays that arrives: 1024 where the factor from the smaller of both is above 0.05, down
@@ -123,6 +126,8 @@ struct Scratch<'a> {
     of_row: Vec<&'a Obstacle>,
     of_pair: Vec<&'a Occluder>,
     shadows: Shadows,
+    /// Whether a pair was sampled with rays.
+    has_sampled: bool,
 }
 
 impl Analytic {
@@ -214,6 +219,10 @@ impl Analytic {
         let mut is_sampled = false;
         scratch.of_pair.clear();
         for obstacle in &scratch.of_row {
+            // Rays will tell, and black is black whether a surface hides all or many do.
+            if scratch.of_pair.len() > MANY_OCCLUDERS {
+                break;
+            }
             let occluder = &obstacle.occluder;
             let is_beside = obstacle.surface == b.surface
                 || !occluder.bounds.meets_shaft(&a.bounds, &b.bounds)
@@ -233,6 +242,7 @@ impl Analytic {
             return Rgb::splat(to_f32(whole));
         }
         if is_sampled || scratch.of_pair.len() > MANY_OCCLUDERS {
+            scratch.has_sampled = true;
             let points = sampled_points(whole / a.site.area.min(b.site.area));
             return self.sampled(a, b, (part_a, part_b), points) * to_f32(whole);
         }
@@ -319,14 +329,22 @@ impl Analytic {
 
 impl End {
     fn new(mesh: &PatchMesh, surfaces: &FlatSurfaces, id: NodeId) -> Self {
-        let NodeKind::Surface { face, .. } = mesh.node(id).kind else {
+        let NodeKind::Surface { face, side } = mesh.node(id).kind else {
             panic!("a row of a cluster: only surfaces have one");
         };
         let corners: Vec<DVec3> = mesh.polygon(id).iter().map(|c| c.as_dvec3()).collect();
+        // That of the whole face: small parts, far from the origin, would have one of their own by rounding.
+        let of_face: Vec<DVec3> = mesh.faces()[face as usize]
+            .polygon()
+            .iter()
+            .map(|c| c.as_dvec3())
+            .collect();
+        let front = vector_area(&of_face).normalize_or_zero();
+        let normal = if side == Side::Front { front } else { -front };
         Self {
             id,
             surface: surfaces.of_face[face as usize],
-            site: Site::new(&corners),
+            site: Site::with_normal(&corners, normal),
             bounds: Bounds::around(&corners),
         }
     }
@@ -366,23 +384,26 @@ impl FormFactors for Analytic {
         let mesh = &*self.mesh;
         let from = End::new(mesh, &self.surfaces, source);
         let area = exposed_area(mesh, source);
+        // Of a buried part rays know the outline roughly.
+        let mut is_exact = area == f64::from(mesh.node(source).area);
         if area > 0.0 {
-            let found: Vec<Vec<(u32, Rgb)>> = self
-                .blocks
-                .par_iter()
-                .with_min_len(8)
+            let blocks = self.blocks.par_iter().with_min_len(8);
+            let found: Vec<(Vec<(u32, Rgb)>, bool)> = blocks
                 .map_init(Scratch::default, |scratch, block| {
-                    self.block_of_row(&from, block, scratch)
+                    scratch.has_sampled = false;
+                    let found = self.block_of_row(&from, block, scratch);
+                    (found, scratch.has_sampled)
                 })
                 .collect();
-            let found: Vec<(u32, Rgb)> = found.concat();
+            is_exact &= found.iter().all(|(_, has_sampled)| !has_sampled);
+            let found: Vec<(u32, Rgb)> = found.into_iter().flat_map(|(found, _)| found).collect();
             row.receivers.extend(found.iter().map(|&(e, _)| e));
             for band in 0..self.bands {
                 let factor = |&(_, exchange): &(u32, Rgb)| to_f32(f64::from(exchange[band]) / area);
                 row.fractions.extend(found.iter().map(factor));
             }
         }
-        self.rays.close_row(source, row);
+        self.rays.close_row(source, is_exact, row);
     }
 
     fn rays(&self) -> u64 {

@@ -10,6 +10,7 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
+use rayon::prelude::*;
 use std::time::Duration;
 
 /// Faces above which it is not checked which of them have something on both sides: that takes the square of them.
@@ -49,17 +50,21 @@ impl Occluders {
         let faces = mesh.faces();
         let rounding = ROUNDING * f64::from(mesh.visibility().diameter());
         let corners: Vec<Vec3> = faces.iter().flat_map(|f| f.polygon().to_vec()).collect();
-        let may_occlude =
-            |face: &WorldFace| faces.len() > MANY_FACES || divides(face, &corners, rounding);
+        let may_occlude: Vec<bool> = faces
+            .par_iter()
+            .map(|face| faces.len() > MANY_FACES || divides(face, &corners, rounding))
+            .collect();
         let mut obstacles = Vec::new();
         let mut is_done = vec![false; surfaces.outlines.len()];
-        for (face, &surface) in faces.iter().zip(&surfaces.of_face) {
+        for ((face, &surface), &may_occlude) in
+            faces.iter().zip(&surfaces.of_face).zip(&may_occlude)
+        {
             if is_done[surface as usize] {
                 continue;
             }
             let outline = surfaces.outlines[surface as usize].clone();
             is_done[surface as usize] = outline.is_some();
-            if !may_occlude(face) {
+            if !may_occlude {
                 continue;
             }
             let outline =
@@ -83,11 +88,6 @@ impl Occluders {
             tree,
             rounding,
         }
-    }
-
-    /// Whether nothing can stand between anything.
-    pub fn is_empty(&self) -> bool {
-        self.obstacles.is_empty()
     }
 
     /// Lengths below this are rounding.

@@ -54,8 +54,11 @@ impl Part {
     }
 
     fn push(&mut self, corner: DVec3) {
-        self.corners[self.count] = corner;
-        self.count += 1;
+        // There is room for convex parts; an outline that rounding bent loses a corner.
+        if self.count < MAX_CORNERS {
+            self.corners[self.count] = corner;
+            self.count += 1;
+        }
     }
 
     fn corners(&self) -> &[DVec3] {
@@ -344,7 +347,7 @@ pub fn cubature(
     let mut variance: f64 = cells.iter().map(|c| c.error * c.error).sum();
     while variance > tolerance * tolerance && cells.len() < MAX_CELLS {
         let Some(worst) = cells.pop() else { break };
-        variance -= worst.error * worst.error;
+        variance = (variance - worst.error * worst.error).max(0.0);
         for (corners, count) in worst.quarters() {
             let part = view.cell(corners, count, worst.depth + 1);
             variance += part.error * part.error;
@@ -443,8 +446,8 @@ const SPREAD: f64 = 1.0 / 64.0;
 /// Share of a pair's factor that may be hidden, or seen, where no point of an undivided polygon tells.
 const UNSEEN: f64 = 0.1;
 
-/// `A_a F_ab` of two convex polygons of three or four corners with convex occluders between them, to an error of about
-/// `tolerance`; both sides of an occluder hide.
+/// `A_a F_ab` of two convex polygons of three or four corners with convex occluders of three to six between them, to an
+/// error of about `tolerance`; both sides of an occluder hide. Panics on other numbers of corners.
 ///
 /// Corners run counter-clockwise seen from the side that radiates. Never more than without occluders.
 ///

@@ -169,9 +169,19 @@ pub struct Site {
 }
 
 impl Site {
-    /// From three or four corners, counter-clockwise around the lit side; the normal is theirs, in f64.
+    /// From three or four corners, counter-clockwise around the lit side; the normal is theirs.
     pub fn new(corners: &[DVec3]) -> Self {
-        let polygon = FlatPolygon::from_corners(corners);
+        Self::of(FlatPolygon::from_corners(corners), corners)
+    }
+
+    /// From three or four corners in a plane whose normal is known better than by them.
+    pub fn with_normal(corners: &[DVec3], normal: DVec3) -> Self {
+        let mut polygon = FlatPolygon::from_corners(corners);
+        polygon.normal = normal;
+        Self::of(polygon, corners)
+    }
+
+    fn of(polygon: FlatPolygon, corners: &[DVec3]) -> Self {
         let centre = polygon.centre();
         Self {
             centre,
