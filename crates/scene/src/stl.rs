@@ -220,6 +220,7 @@ fn text(bytes: &[u8], solids: &mut Solids<'_>, report: &mut ImportReport) {
     let mut corners: Vec<Vec3> = Vec::with_capacity(3);
     let mut facet: Option<usize> = None;
     let mut unknown = 0_usize;
+    let mut is_open = false;
     let text = String::from_utf8_lossy(bytes);
     // Lines end in LF, in CR LF, or on very old machines in CR alone.
     let line_end = if text.contains('\n') { '\n' } else { '\r' };
@@ -235,6 +236,7 @@ fn text(bytes: &[u8], solids: &mut Solids<'_>, report: &mut ImportReport) {
             "solid" => {
                 end_facet(&mut facet, &mut corners, normal, solids, report);
                 solids.begin(line["solid".len()..].trim());
+                is_open = true;
             }
             "facet" => {
                 end_facet(&mut facet, &mut corners, normal, solids, report);
@@ -244,11 +246,18 @@ fn text(bytes: &[u8], solids: &mut Solids<'_>, report: &mut ImportReport) {
             // One that cannot be read keeps its place, so that the facet is told of.
             "vertex" => corners.push(vector(words).unwrap_or(Vec3::NAN)),
             "endfacet" => end_facet(&mut facet, &mut corners, normal, solids, report),
-            "" | "outer" | "endloop" | "endsolid" => {}
+            "endsolid" => {
+                end_facet(&mut facet, &mut corners, normal, solids, report);
+                is_open = false;
+            }
+            "" | "outer" | "endloop" => {}
             _ => unknown += 1,
         }
     }
     end_facet(&mut facet, &mut corners, normal, solids, report);
+    if is_open {
+        report.warn("file", "ends before 'endsolid': it may have been cut off");
+    }
     if unknown > 0 {
         report.warn(
             "file",

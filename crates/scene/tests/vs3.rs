@@ -481,7 +481,7 @@ fn many_subsurfaces_are_cut_or_refused_in_time() {
 fn a_vertex_given_twice_makes_a_triangle() {
     let text = "T t\nF 3\nV 1 0 0 0\nV 2 1 0 0\nV 3 0 1 0\nV 4 0 0 1\nV 5 0 1 1\nV 6 1 0 1\n\
                 S 1 1 2 3 3 0 0 0.9 floor\nS 2 4 5 6 6 0 0 0.9 roof\nEnd of data\n";
-    let scene = hemicube_scene::open_bytes(text.as_bytes(), "twice.vs3", None).expect("it is read");
+    let scene = open_bytes(text.as_bytes(), "twice.vs3", None).expect("it is read");
     let faces: Vec<usize> = scene.meshes.iter().map(|m| m.faces.len()).collect();
     assert_eq!(faces, [1, 1], "a triangle each");
     assert!(

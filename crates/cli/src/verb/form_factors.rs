@@ -12,7 +12,7 @@ use crate::solving::percent;
 use hemicube::radiosity::PatchMesh;
 use hemicube::radiosity::export::view_factors::{self, View3dFacts};
 use hemicube::radiosity::form_factor::{
-    FormFactorKind, MatrixOptions, Surfaces, SurfacesBy, ViewFactorMatrix,
+    FormFactorKind, MatrixOptions, Storage, Surfaces, SurfacesBy, ViewFactorMatrix,
 };
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -86,6 +86,7 @@ struct Computed {
     seed: u64,
     error: f64,
     rays: u64,
+    sampled_pairs: u64,
     corrected: bool,
     seconds: f64,
 }
@@ -120,7 +121,15 @@ impl Computed {
             interrupt::asked()
         };
         let corrected = factors.enclosure || asked.is_some_and(|asked| asked.enclosure);
-        let matrix = ViewFactorMatrix::build_by(&*way, &surfaces, memory(corrected), &stop)?;
+        let mut storage = memory(corrected);
+        if args.output.as_ref().is_some_and(|path| {
+            path.extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
+        }) {
+            // The file holds every entry.
+            storage.storage = Storage::Dense;
+        }
+        let matrix = ViewFactorMatrix::build_by(&*way, &surfaces, storage, &stop)?;
         bar.finish();
         if interrupt::asked() {
             return Err(Failure::Interrupted);
@@ -132,6 +141,7 @@ impl Computed {
                 matrix
             },
             rays: way.rays(),
+            sampled_pairs: way.sampled_pairs(),
             mesh,
             surfaces,
             by,
@@ -163,6 +173,15 @@ impl Computed {
             note(
                 global,
                 "panes tint the light, so factors differ between bands: these are the means of three",
+            );
+        }
+        if self.sampled_pairs > 0 {
+            note(
+                global,
+                &format!(
+                    "{} pairs lie behind panes or very many surfaces; their visibility is sampled with rays, to some 2 to 9 % of their factors",
+                    grouped(self.sampled_pairs)
+                ),
             );
         }
         let (lost, most) = self.lost();
@@ -317,6 +336,7 @@ sky       {} of all, at most {} of '{}'
             "error": (self.method == FormFactorKind::Analytic).then_some(self.error),
             "seed": self.seed,
             "rays": self.rays,
+            "sampled_pairs": self.sampled_pairs,
             "elements": self.mesh.elements().len(),
             "corrected": self.corrected,
             "closure_error": facts.closure_error,

@@ -101,6 +101,11 @@ pub trait FormFactors: Send + Sync {
         None
     }
 
+    /// Pairs whose visibility had to be sampled so far, by methods that need not sample as a rule.
+    fn sampled_pairs(&self) -> u64 {
+        0
+    }
+
     /// Rays cast so far, where rays are cast.
     fn rays(&self) -> u64 {
         0
@@ -118,6 +123,10 @@ impl<F: FormFactors + ?Sized> FormFactors for Box<F> {
 
     fn dense_rows(&self, stop: Stop<'_>) -> Option<matrix::DenseRows> {
         (**self).dense_rows(stop)
+    }
+
+    fn sampled_pairs(&self) -> u64 {
+        (**self).sampled_pairs()
     }
 
     fn rays(&self) -> u64 {

@@ -4,6 +4,7 @@ use super::{Analytic, Block, Scratch};
 use crate::form_factor::matrix::DenseRows;
 use crate::stop::Stop;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Rows below which the mirror image is taken without further cutting.
 const SMALL: usize = 64;
@@ -24,16 +25,27 @@ pub fn dense_rows(factors: &Analytic, stop: Stop<'_>) -> DenseRows {
         jobs.push((number, block, rows));
         rest = others;
     }
+    let is_over = AtomicBool::new(false);
     jobs.into_par_iter()
         .for_each_init(Scratch::default, |scratch, (number, block, rows)| {
             // Asked once for each row.
             if block.elements.clone().any(|_| stop()) {
-                return;
+                is_over.store(true, Ordering::Relaxed);
             }
             for other in &factors.blocks[number..] {
+                if is_over.load(Ordering::Relaxed) {
+                    return;
+                }
                 fill(factors, block, other, &areas, rows, scratch);
             }
         });
+    if is_over.into_inner() {
+        return DenseRows {
+            values,
+            sky: vec![0.0; n],
+            absorbed: vec![0.0; n],
+        };
+    }
     mirror(&mut values, n, 0, &areas);
     let lost: Vec<(f64, f64)> = values
         .par_chunks(n)

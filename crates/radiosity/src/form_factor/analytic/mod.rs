@@ -43,12 +43,21 @@ use rayon::prelude::*;
 use shaft::{Blocks, Bounds, Occluder};
 use site::Site;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use unoccluded::{Facing, Rules, facing};
 
 /// Consecutive elements that share the search for occluders.
 const BLOCK: usize = 16;
-/// Occluders in the shaft of one pair above which rays are cheaper than cutting shadows.
-const MANY_OCCLUDERS: usize = 24;
+/// Occluders in the shaft of one pair above which it is sampled with rays, because cutting all their shadows takes long:
+/// the more the pair matters, by the factor from the smaller of both.
+fn most_occluders(factor: f64) -> usize {
+    match factor {
+        f if f > 0.01 => 1000,
+        f if f > 0.001 => 200,
+        _ => 24,
+    }
+}
+
 /// Rays from each point of the smaller polygon of a pair that is sampled.
 /// Few would make the mean over them biased: what is near weighs more and is hidden less.
 const RAYS_PER_POINT: u32 = 16;
@@ -83,7 +92,8 @@ impl AnalyticOptions {
 
 /// Analytic form factors between the nodes of a mesh. Rows of clusters panic.
 ///
-/// Pairs through panes and alpha masks, and pairs with more than 24 surfaces in their shaft, get the exact factor without
+/// Pairs through panes and alpha masks, and pairs with more than 24 surfaces in their shaft (200 if the factor is above
+/// 0.001, 1000 if above 0.01), get the exact factor without
 /// obstruction times the share of rays that arrives: 1024 where the factor from the smaller of both is above 0.05, down
 /// to 48 where it is below 0.001, for a standard error of some 2 % to 9 % of the factor.
 #[derive(Debug)]
@@ -99,6 +109,7 @@ pub struct Analytic {
     occluders: Occluders,
     /// Tells what backs absorb and what escapes.
     rays: RayCast,
+    sampled_pairs: AtomicU64,
 }
 
 /// One side of a pair.
@@ -162,6 +173,7 @@ impl Analytic {
             occluders: Occluders::new(&mesh, &surfaces),
             surfaces,
             rays: RayCast::new(mesh.clone(), ray_options),
+            sampled_pairs: AtomicU64::new(0),
             ends,
             options,
             mesh,
@@ -215,12 +227,15 @@ impl Analytic {
                 None => return Rgb::BLACK,
             }
         };
+        let whole = self.rules.exchange(&a.site, &b.site);
+        let factor = whole / a.site.area.min(b.site.area);
+        let most_occluders = most_occluders(factor);
         let rounding = self.occluders.rounding();
         let mut is_sampled = false;
         scratch.of_pair.clear();
         for obstacle in &scratch.of_row {
             // Rays will tell, and black is black whether a surface hides all or many do.
-            if scratch.of_pair.len() > MANY_OCCLUDERS {
+            if scratch.of_pair.len() > most_occluders {
                 break;
             }
             let occluder = &obstacle.occluder;
@@ -237,13 +252,13 @@ impl Analytic {
             }
             is_sampled |= obstacle.transmits;
         }
-        let whole = self.rules.exchange(&a.site, &b.site);
         if scratch.of_pair.is_empty() {
             return Rgb::splat(to_f32(whole));
         }
-        if is_sampled || scratch.of_pair.len() > MANY_OCCLUDERS {
+        if is_sampled || scratch.of_pair.len() > most_occluders {
             scratch.has_sampled = true;
-            let points = sampled_points(whole / a.site.area.min(b.site.area));
+            let points = sampled_points(factor);
+            self.sampled_pairs.fetch_add(1, Ordering::Relaxed);
             return self.sampled(a, b, (part_a, part_b), points) * to_f32(whole);
         }
         let tolerance = self.options.error * a.site.area.min(b.site.area);
@@ -408,6 +423,10 @@ impl FormFactors for Analytic {
 
     fn rays(&self) -> u64 {
         self.rays.rays()
+    }
+
+    fn sampled_pairs(&self) -> u64 {
+        self.sampled_pairs.load(Ordering::Relaxed)
     }
 
     fn dense_rows(&self, stop: Stop<'_>) -> Option<DenseRows> {
