@@ -184,7 +184,7 @@ area, against the converged solution and relative to its reflected light: 100 % 
 #[derive(Debug, Args)]
 #[command(after_help = COMPARE_HELP)]
 pub struct CompareVerb {
-    /// Scene file (.glb, .gltf, .obj) or name of a built-in scene
+    /// Scene file (.glb, .gltf, .obj, .stl, .vs3) or name of a built-in scene
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     /// Picture to write: one of the scene for each variant, below them the curves

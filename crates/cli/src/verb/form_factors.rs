@@ -301,10 +301,10 @@ sky       {} of all, at most {} of '{}'
         for i in 0..n {
             let _ = write!(
                 text,
-                "{:>3} {:width$} {:>9.4}",
+                "{:>3} {:width$} {:>9}",
                 i + 1,
                 shown(i),
-                self.matrix.areas()[i]
+                area(self.matrix.areas()[i])
             );
             (0..n).for_each(|j| _ = write!(text, " {:.5}", self.matrix.get(i, j)));
             let _ = writeln!(
@@ -424,6 +424,15 @@ impl Share {
 
     fn to_json(&self, computed: &Computed) -> Value {
         json!({ "mean": self.mean, "most": self.most, "of": computed.name(self.row) })
+    }
+}
+
+/// An area in nine characters at most.
+fn area(x: f64) -> String {
+    if (0.01..10_000.0).contains(&x) {
+        format!("{x:.4}")
+    } else {
+        format!("{x:.3e}")
     }
 }
 
