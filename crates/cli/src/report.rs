@@ -202,11 +202,15 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
 
 /// The way to the form factors and how fine it was.
 pub fn factors(name: &str, rays: u32, resolution: u32) -> String {
+    use FormFactorKind as Kind;
     let name = crate::failure::one_line(name);
-    if name == FormFactorKind::Hemicube.name() {
-        format!("{name} with {resolution} cells an edge")
-    } else {
-        format!("{name} with {rays} rays")
+    match Kind::ALL.into_iter().find(|kind| kind.name() == name) {
+        Some(Kind::Hemicube | Kind::CubicTetrahedron | Kind::SinglePlane) => {
+            format!("{name} with {resolution} cells an edge")
+        }
+        // Neither takes a number that the user gave.
+        Some(Kind::Analytic | Kind::Hemisphere) => name,
+        Some(Kind::RayCast | Kind::Nusselt) | None => format!("{name} with {rays} rays"),
     }
 }
 
