@@ -2,10 +2,11 @@
 
 use crate::failure::Failure;
 use crate::output::Target;
-use crate::plot::{Chart, Curve};
+
 use hemicube::radiosity::compare::relative_error;
 use hemicube::radiosity::{Progress, Solution};
 use hemicube::raster::Rgb;
+use hemicube_chart::{Chart, Curve, Scale};
 use std::fmt::Write as _;
 use std::time::Instant;
 
@@ -151,13 +152,14 @@ impl History {
             ),
             x_label: String::from("steps"),
             y_label: String::from("share of emitted light; error: of reflected light"),
+            y_scale: Scale::Logarithmic,
             curves: [
                 curve("unshot", &|e| Some(e.progress.unshot)),
                 curve("largest patch", &|e| Some(e.progress.residual)),
                 curve("RMS error to end", &|e| e.error),
             ]
             .into_iter()
-            .filter(Curve::is_visible)
+            .filter(|curve| curve.is_visible(Scale::Logarithmic))
             .collect(),
         }
     }

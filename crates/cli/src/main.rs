@@ -9,7 +9,6 @@ mod input;
 mod interrupt;
 mod output;
 mod picture;
-mod plot;
 mod progress;
 mod report;
 mod solving;
@@ -53,6 +52,7 @@ fn run(cli: &Cli, start: Instant) -> Result<(), Failure> {
         Verb::Render(args) => verb::render::run(args, cli.global, start),
         Verb::FormFactors(args) => verb::form_factors::run(args, cli.global, start),
         Verb::Compare(args) => verb::compare::run(args, cli.global),
+        Verb::Gallery(args) => verb::gallery::run(args, cli.global),
         Verb::Scenes => verb::scenes::run(cli.global),
         Verb::Info(args) => verb::info::run(args, cli.global),
         Verb::Completions(args) => verb::completions::run(args),

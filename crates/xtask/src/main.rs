@@ -39,8 +39,8 @@ fn test(args: &[&str]) -> bool {
 }
 
 fn check() -> bool {
-    let packages =
-        ["raster", "scene", "radiosity", "render"].map(|name| format!("hemicube-{name}"));
+    let packages = ["raster", "chart", "gallery", "scene", "radiosity", "render"]
+        .map(|name| format!("hemicube-{name}"));
     let mut package = vec![
         "package",
         "--locked",

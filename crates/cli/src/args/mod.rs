@@ -70,6 +70,8 @@ pub enum Verb {
     FormFactors(FormFactorsVerb),
     /// Compare solvers after the same number of steps: pictures and error curves
     Compare(CompareVerb),
+    /// List the exhibits that show each technique at work, or draw them
+    Gallery(GalleryVerb),
     /// List the built-in scenes
     #[command(after_help = "Example:\n  hemicube scenes")]
     Scenes,
@@ -168,6 +170,35 @@ pub struct RenderVerb {
     pub solve: SolveArgs,
     #[command(flatten)]
     pub scene_options: SceneArgs,
+}
+
+const GALLERY_HELP: &str = "\
+Examples:
+  hemicube gallery
+  hemicube gallery -o pictures
+  hemicube gallery -o pictures NAME --size 512x512
+
+Without -o the exhibits are listed. With -o and no NAME all of them are drawn that need no file.";
+
+/// Lists the exhibits that show each technique at work, or draws them
+#[derive(Debug, Args)]
+#[command(after_help = GALLERY_HELP)]
+pub struct GalleryVerb {
+    /// Exhibits to draw [default: all that need no file]
+    #[arg(value_name = "NAME")]
+    pub names: Vec<String>,
+    /// Folder for the pictures, charts and tables
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Pixels of the main pictures [default: each exhibit's own]
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    pub size: Option<(u32, u32)>,
+    /// A file that an exhibit needs; once for each, in the order of the list
+    #[arg(long = "file", value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Seed of what is random in them
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
 }
 
 const COMPARE_HELP: &str = "\

@@ -6,13 +6,13 @@ use crate::failure::Failure;
 use crate::input::Input;
 use crate::output::{Target, print, print_json};
 use crate::picture::{self, View};
-use crate::plot::{Canvas, Chart, Curve, Drawing, label};
 use crate::progress::Bar;
 use crate::solving::percent;
 use hemicube::radiosity::compare::{Variant, converged, variant};
 use hemicube::radiosity::form_factor::{Cached, MatrixOptions};
 use hemicube::radiosity::stop::NEVER;
 use hemicube::radiosity::{Solution, SolveOptions, SolverKind, unlit};
+use hemicube_chart::{Canvas, Chart, Curve, Drawing, Scale, label};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -161,6 +161,7 @@ impl Comparison {
             ),
             x_label: String::from("steps"),
             y_label: String::from("RMS error of radiosity, of reflected light"),
+            y_scale: Scale::Logarithmic,
             curves: self.variants.iter().map(curve).collect(),
         };
         chart.draw(width, Sheet::CHART)

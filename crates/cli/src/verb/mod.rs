@@ -3,6 +3,7 @@
 pub mod compare;
 pub mod completions;
 pub mod form_factors;
+pub mod gallery;
 pub mod info;
 pub mod measure;
 pub mod render;

@@ -1,9 +1,9 @@
 //! Pictures of drawings: pixels in sRGB, with letters as pixels of their own.
 
 use super::drawing::{Anchor, DASH, Drawing, Shape};
-use crate::failure::Failure;
-use hemicube::raster::color::{linear_from_srgb8_table, srgb8_from_linear};
-use hemicube::raster::{Image, Rgb};
+use hemicube_raster::color::{linear_from_srgb8_table, srgb8_from_linear};
+use hemicube_raster::image::ImageError;
+use hemicube_raster::{Image, Rgb};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use std::io::Cursor;
 
@@ -156,7 +156,7 @@ impl Canvas {
     }
 
     /// As a PNG file.
-    pub fn png(&self) -> Result<Vec<u8>, Failure> {
+    pub fn png(&self) -> Result<Vec<u8>, ImageError> {
         let table = linear_from_srgb8_table();
         let color = |c: &[u8; 3]| Rgb::from(c.map(|code| table[code as usize]));
         let pixels = self.pixels.iter().map(color).collect();

@@ -1,14 +1,17 @@
 //! A drawing of lines and text, and its vector form.
 
 use super::paint::Canvas;
-use crate::failure::Failure;
+use hemicube_raster::image::ImageError;
 use std::fmt::Write as _;
 
 /// Which part of a text is at its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
+    /// Its left end.
     Start,
+    /// Its middle.
     Middle,
+    /// Its right end.
     End,
 }
 
@@ -35,7 +38,9 @@ pub enum Shape {
 /// Lines and text on white.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
+    /// Pixels in a row.
     pub width: usize,
+    /// Rows.
     pub height: usize,
     pub(super) shapes: Vec<Shape>,
 }
@@ -80,7 +85,7 @@ impl Drawing {
     }
 
     /// As pixels, in a PNG file.
-    pub fn png(&self) -> Result<Vec<u8>, Failure> {
+    pub fn png(&self) -> Result<Vec<u8>, ImageError> {
         let mut canvas = Canvas::new(self.width, self.height);
         canvas.draw(self, 0, 0);
         canvas.png()
@@ -153,7 +158,10 @@ fn hex([r, g, b]: [u8; 3]) -> String {
 }
 
 fn escaped(text: &str) -> String {
-    let text = crate::failure::one_line(text);
+    let text: String = text
+        .chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

@@ -33,11 +33,23 @@ fn bounds(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     if low <= high { (low, high) } else { (0.0, 1.0) }
 }
 
-/// Whole numbers from pixel `start` to pixel `end`.
+/// Numbers at equal distances from pixel `start` to pixel `end`; counts stay whole.
 pub fn linear_axis(numbers: impl Iterator<Item = f64>, start: f64, end: f64) -> Axis {
-    let (low, high) = bounds(numbers);
-    let high = high.max(low + 1.0);
-    let step = nice_step((high - low) / 7.0);
+    let numbers: Vec<f64> = numbers.collect();
+    let is_whole = numbers.iter().all(|x| x.fract() == 0.0);
+    let (low, high) = bounds(numbers.into_iter());
+    let least_span = if is_whole {
+        1.0
+    } else {
+        (1e-9 * low.abs().max(high.abs())).max(f64::MIN_POSITIVE)
+    };
+    let high = high.max(low + least_span);
+    let least_step = (high - low) / 7.0;
+    let step = nice_step(if is_whole {
+        least_step.max(1.0)
+    } else {
+        least_step
+    });
     let axis = Axis {
         low,
         high,
@@ -48,13 +60,13 @@ pub fn linear_axis(numbers: impl Iterator<Item = f64>, start: f64, end: f64) -> 
     let first = (low / step).ceil();
     let ticks = (0..=20_u32)
         .map(|i| (first + f64::from(i)) * step)
-        .take_while(|&x| x <= high);
-    axis.with_ticks(ticks.map(|x| (x, with_commas(x))))
+        .take_while(|&x| x <= high + 1e-9 * step);
+    axis.with_ticks(ticks.map(|x| (x, number(x, step))))
 }
 
-/// 1, 2 or 5 times a power of ten, at least this and at least 1.
+/// 1, 2 or 5 times a power of ten, at least this.
 fn nice_step(least: f64) -> f64 {
-    let unit = 10_f64.powf(least.max(1.0).log10().floor());
+    let unit = 10_f64.powf(least.log10().floor());
     [1.0, 2.0, 5.0, 10.0]
         .into_iter()
         .map(|factor| factor * unit)
@@ -62,13 +74,30 @@ fn nice_step(least: f64) -> f64 {
         .unwrap_or(10.0 * unit)
 }
 
-fn with_commas(x: f64) -> String {
+/// A number with as many decimals as its distance to the next one asks for, thousands set off by commas.
+fn number(x: f64, step: f64) -> String {
+    if !(1e-6..1e9).contains(&step) {
+        return format!("{x:e}");
+    }
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "a step's number"
+        reason = "between 0 and 6"
     )]
-    crate::report::grouped(x.max(0.0) as u64)
+    let decimals = (-(step * 1.000_001).log10().floor()).max(0.0) as usize;
+    let text = format!("{:.decimals$}", x.abs());
+    let (whole, rest) = text.split_once('.').unwrap_or((&text, ""));
+    let mut grouped = String::new();
+    for (i, digit) in whole.chars().enumerate() {
+        if i > 0 && (whole.len() - i).is_multiple_of(3) {
+            grouped.push(',');
+        }
+        grouped.push(digit);
+    }
+    let is_zero = text.chars().all(|c| matches!(c, '0' | '.'));
+    let sign = if x < 0.0 && !is_zero { "-" } else { "" };
+    let point = if rest.is_empty() { "" } else { "." };
+    format!("{sign}{grouped}{point}{rest}")
 }
 
 /// Shares above 0 on a logarithmic scale, from pixel `start` to pixel `end`, labelled in percent.
@@ -134,6 +163,10 @@ mod tests {
         );
         let few = linear_axis([0.0, 3.0].into_iter(), 0.0, 100.0);
         assert_eq!(labels(&few), ["0", "1", "2", "3"]);
+        let fine = linear_axis([-0.2, 0.31].into_iter(), 0.0, 100.0);
+        assert_eq!(labels(&fine), ["-0.2", "-0.1", "0.0", "0.1", "0.2", "0.3"]);
+        let same = linear_axis([0.25; 3].into_iter(), 0.0, 100.0);
+        assert!(same.place(0.25).is_finite(), "one value has a place");
         let shares = log_axis([1.0, 3e-4].into_iter(), 100.0, 0.0);
         assert_eq!(labels(&shares), ["0.01 %", "0.1 %", "1 %", "10 %", "100 %"]);
         let narrow = log_axis([0.9, 0.4].into_iter(), 100.0, 0.0);

@@ -1,14 +1,22 @@
-//! Curves over steps: a logarithmic axis of shares, names beside it.
+//! Charts and labelled sheets of pictures, as PNG and SVG.
+//!
+//! [`Chart`] draws named curves over a linear axis; its vertical axis is linear or logarithmic ([`Scale`]). The
+//! [`Drawing`] that it makes becomes an SVG file or pixels of a [`Canvas`], on which pictures and labels are pasted too.
+//!
+//! # Current state
+//! One font of two sizes, Latin-1 only; what is too wide is cut. Nothing here panics on the numbers it is given: those
+//! that are not finite are left out.
+#![forbid(unsafe_code)]
 
 mod axis;
 mod drawing;
 mod paint;
 
-pub use drawing::Drawing;
+pub use drawing::{Anchor, Drawing};
 pub use paint::Canvas;
 
 use axis::{Axis, linear_axis, log_axis};
-use drawing::{Anchor, Shape};
+use drawing::Shape;
 
 /// Dark enough to read.
 const INK: [u8; 3] = [40, 40, 40];
@@ -30,7 +38,7 @@ const COLORS: [[u8; 3]; 7] = [
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     name: String,
-    /// x ascending; y that is not above 0 is left out.
+    /// x ascending; what the axes cannot show is left out.
     points: Vec<(f64, f64)>,
 }
 
@@ -43,19 +51,35 @@ impl Curve {
         }
     }
 
-    /// Whether there is a line to be seen.
-    pub fn is_visible(&self) -> bool {
-        self.shown().count() > 1
+    /// Whether there is a line to be seen on a vertical axis of this scale.
+    pub fn is_visible(&self, scale: Scale) -> bool {
+        self.shown(scale).count() > 1
     }
 
-    /// Points that a logarithmic axis can show.
-    fn shown(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
-        let is_shown = |&(x, y): &(f64, f64)| x.is_finite() && y.is_finite() && y > 0.0;
+    /// Points that the axes can show.
+    fn shown(&self, scale: Scale) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let is_shown = move |&(x, y): &(f64, f64)| x.is_finite() && scale.shows(y);
         self.points.iter().copied().filter(is_shown)
     }
 }
 
-/// Curves of shares over steps.
+/// How a vertical axis counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Scale {
+    /// Powers of ten at equal distances; values that are not above 0 are left out.
+    #[default]
+    Logarithmic,
+    /// Equal steps at equal distances.
+    Linear,
+}
+
+impl Scale {
+    fn shows(self, y: f64) -> bool {
+        y.is_finite() && (self == Self::Linear || y > 0.0)
+    }
+}
+
+/// Named curves between two axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
     /// Above everything.
@@ -64,6 +88,8 @@ pub struct Chart {
     pub x_label: String,
     /// Above the vertical axis.
     pub y_label: String,
+    /// How the vertical axis counts.
+    pub y_scale: Scale,
     /// Drawn in this order.
     pub curves: Vec<Curve>,
 }
@@ -89,12 +115,16 @@ impl Chart {
             top: 66.0,
             bottom: height as f64 - 56.0,
         };
-        let points = || self.curves.iter().flat_map(Curve::shown);
+        let points = || self.curves.iter().flat_map(|c| c.shown(self.y_scale));
         let x = linear_axis(points().map(|(x, _)| x), area.left, area.right);
-        let y = log_axis(points().map(|(_, y)| y), area.bottom, area.top);
+        let values = points().map(|(_, y)| y);
+        let y = match self.y_scale {
+            Scale::Logarithmic => log_axis(values, area.bottom, area.top),
+            Scale::Linear => linear_axis(values, area.bottom, area.top),
+        };
         self.draw_axes(&mut drawing, area, &x, &y);
         let places = |curve: &Curve| -> Vec<[f64; 2]> {
-            let shown = curve.shown();
+            let shown = curve.shown(self.y_scale);
             shown
                 .map(|(at, share)| [x.place(at), y.place(share)])
                 .collect()
@@ -218,6 +248,7 @@ mod tests {
             title: String::from("a < b & \"c\""),
             x_label: String::from("steps"),
             y_label: String::from("share"),
+            y_scale: Scale::Logarithmic,
             curves: vec![Curve::new("only", points)],
         }
     }
@@ -244,6 +275,21 @@ mod tests {
             assert!(!drawing.svg().contains("NaN"), "{points:?}");
             assert!(drawing.png().is_ok(), "{points:?}");
         }
+    }
+
+    #[test]
+    fn linear_scale_shows_values_below_zero() {
+        let mut chart = chart(vec![(0.5, -0.25), (1.25, 0.5)]);
+        assert!(
+            !chart.curves[0].is_visible(chart.y_scale),
+            "one point above 0"
+        );
+        chart.y_scale = Scale::Linear;
+        assert!(chart.curves[0].is_visible(chart.y_scale), "both points");
+        assert!(
+            chart.draw(800, 500).svg().contains(">-0.2<"),
+            "a label below 0"
+        );
     }
 
     #[test]
