@@ -23,6 +23,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | [`csg`] | solids combined by set operations, and a ray tracer that shows them |
 //! | [`raster`] | images, linear colour, triangles with a z-buffer, tone mapping; knows no scene |
 //! | [`scene`] | glTF, OBJ, STL and View3D import, materials, lights, cameras, built-in scenes |
 //! | [`radiosity`] | patches, form factors, solvers, solutions, lit `.glb` files |
@@ -33,6 +34,7 @@
 //! Nothing panics on what files hold.
 #![forbid(unsafe_code)]
 
+pub use hemicube_csg as csg;
 pub use hemicube_radiosity as radiosity;
 pub use hemicube_raster as raster;
 pub use hemicube_render as render;

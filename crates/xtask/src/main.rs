@@ -39,8 +39,16 @@ fn test(args: &[&str]) -> bool {
 }
 
 fn check() -> bool {
-    let packages = ["raster", "chart", "gallery", "scene", "radiosity", "render"]
-        .map(|name| format!("hemicube-{name}"));
+    let packages = [
+        "raster",
+        "chart",
+        "csg",
+        "gallery",
+        "scene",
+        "radiosity",
+        "render",
+    ]
+    .map(|name| format!("hemicube-{name}"));
     let mut package = vec![
         "package",
         "--locked",
