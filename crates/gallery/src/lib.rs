@@ -7,7 +7,9 @@
 //! Exhibits on measured data ask for files ([`Exhibit::needs`]); all others need nothing.
 #![forbid(unsafe_code)]
 
+mod csg;
 mod exhibit;
+mod fruit_bowl;
 
 pub use exhibit::{Exhibit, GalleryError, Piece, Request};
 
@@ -17,4 +19,4 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[];
+const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS];

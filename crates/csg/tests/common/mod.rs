@@ -34,6 +34,11 @@ impl Numbers {
         }
     }
 
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "from 0 to below count"
+    )]
     pub fn index(&mut self, count: usize) -> usize {
         ((self.next() * count as f64) as usize).min(count - 1)
     }
