@@ -104,14 +104,19 @@ struct Area {
 }
 
 impl Chart {
+    /// Pixels to the left and to the right of the curves, for a picture that shall share their axis.
+    pub fn margins(&self) -> [usize; 2] {
+        let names = self.curves.iter().map(|c| c.name.chars().count()).max();
+        [78, 56 + paint::glyph_width(16) * names.unwrap_or(0)]
+    }
+
     /// Lays it out in so many pixels.
     pub fn draw(&self, width: usize, height: usize) -> Drawing {
         let mut drawing = Drawing::new(width, height);
-        let names = self.curves.iter().map(|c| c.name.chars().count()).max();
-        let legend = 56.0 + drawing::advance(16) * names.unwrap_or(0) as f64;
+        let [left, right] = self.margins();
         let area = Area {
-            left: 78.0,
-            right: width as f64 - legend,
+            left: left as f64,
+            right: width as f64 - right as f64,
             top: 66.0,
             bottom: height as f64 - 56.0,
         };

@@ -15,7 +15,7 @@ pub struct Bounds {
 
 /// How far boxes reach beyond what they bound, relative to size and place: a ray within a face must not be lost to
 /// rounding.
-const MARGIN: f64 = 1e-9;
+pub(crate) const MARGIN: f64 = 1e-9;
 
 impl Bounds {
     /// No point.

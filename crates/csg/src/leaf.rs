@@ -1,7 +1,7 @@
 //! A primitive at its place in the world, with what it is made of.
 
 use crate::CsgError;
-use crate::bounds::Bounds;
+use crate::bounds::{self, Bounds};
 use crate::material::Material;
 use crate::primitive::{CentredLine, Primitive};
 use crate::ray::Ray;
@@ -54,7 +54,26 @@ impl Leaf {
     }
 
     pub(crate) fn bounds(&self) -> Bounds {
-        self.primitive.bounds().transformed(&self.world_from_local)
+        match self.primitive {
+            Primitive::HalfSpace => self.half_space_bounds(),
+            primitive => primitive.bounds().transformed(&self.world_from_local),
+        }
+    }
+
+    /// On one side of a plane at right angles to an axis, else everywhere: what such planes cut off is not looked at.
+    fn half_space_bounds(&self) -> Bounds {
+        let mut bounds = Bounds::EVERYTHING;
+        let place = self.world_from_local.translation;
+        let normal = self.normal(place);
+        for axis in 0..3 {
+            let margin = bounds::MARGIN * (1.0 + place[axis].abs());
+            if normal[axis] == 1.0 {
+                bounds.high[axis] = place[axis] + margin;
+            } else if normal[axis] == -1.0 {
+                bounds.low[axis] = place[axis] - margin;
+            }
+        }
+        bounds
     }
 
     pub(crate) fn contains(&self, point: DVec3) -> bool {

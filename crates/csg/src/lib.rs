@@ -8,6 +8,7 @@
 //! use glam::DVec3;
 //! use hemicube_csg::{Camera, Light, Material, Pattern, Scene, Solid, View};
 //! use hemicube_raster::Rgb;
+//! use hemicube_raster::antialias::Antialiasing;
 //!
 //! # fn main() -> Result<(), hemicube_csg::CsgError> {
 //! let red = Material::matte(Pattern::plain(Rgb::new(0.7, 0.1, 0.1))?).with_highlight(0.1, 80.0)?;
@@ -15,7 +16,7 @@
 //! let sun = Light::distant(DVec3::new(1.0, 2.0, 3.0), Rgb::splat(2.0))?;
 //! let scene = Scene::new([die.with_material(red)]).with_lights([sun]);
 //! let camera = Camera::new(DVec3::new(3.0, 2.0, 4.0), DVec3::ZERO, 40.0)?;
-//! let image = View { scene: &scene, camera: &camera, width: 64, height: 48 }.render();
+//! let image = View { scene: &scene, camera: &camera, size: (64, 48) }.render(Antialiasing::NONE);
 //! assert!(image.pixel(32, 24).r > image.pixel(32, 24).g, "red in the middle");
 //! # Ok(())
 //! # }

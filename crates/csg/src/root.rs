@@ -3,15 +3,22 @@
 /// Steps after which bisection alone has used up the digits of any interval.
 const MOST_STEPS: usize = 128;
 
-/// The root of a function that is monotone and changes its sign from `from` to `to`; `f` gives value and derivative.
+/// The root of a function that is monotone and changes its sign between two places, up to `tolerance` or rounding; `f`
+/// gives value and derivative, `rises` says that the sign changes from - to +.
 ///
-/// Newton's steps as long as they stay within what is left of the interval and shrink, else halves: it converges quadratically near simple
-/// roots and always as fast as bisection. Where rounding has hidden the change of sign, the end with the smaller value.
-pub(crate) fn monotone_root(from: f64, to: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
+/// Newton's steps as long as they stay within what is left of the interval and shrink, else halves: it converges
+/// quadratically near simple roots and always as fast as bisection. Where rounding has hidden the change of sign, it ends
+/// beside the place with the smaller value.
+pub(crate) fn monotone_root(
+    [from, to]: [f64; 2],
+    rises: bool,
+    tolerance: f64,
+    f: impl Fn(f64) -> (f64, f64),
+) -> f64 {
     let (mut low, mut high) = (from, to);
-    let rises = f(from).0 < f(to).0;
     let mut t = 0.5 * (low + high);
     let mut last_step = high - low;
+    let tolerance = tolerance.max(4.0 * f64::EPSILON * from.abs().max(to.abs()));
     for _ in 0..MOST_STEPS {
         let (value, slope) = f(t);
         if (value < 0.0) == rises {
@@ -24,7 +31,7 @@ pub(crate) fn monotone_root(from: f64, to: f64, f: impl Fn(f64) -> (f64, f64)) -
         let next = if is_good { newton } else { 0.5 * (low + high) };
         last_step = (next - t).abs();
         t = next;
-        if last_step <= 4.0 * f64::EPSILON * t.abs().max(high - low).max(1e-3) {
+        if last_step <= tolerance {
             break;
         }
     }
@@ -39,28 +46,29 @@ mod tests {
     fn simple_roots_are_exact_to_rounding() {
         for root in [-0.9, -1e-3, 0.0, 0.3, 0.999] {
             let rising = |t: f64| ((t - root) * (1.0 + t * t), 1.0 + t * (3.0 * t - 2.0 * root));
-            let found = monotone_root(-1.0, 1.0, rising);
+            let found = monotone_root([-1.0, 1.0], true, 0.0, rising);
             assert!((found - root).abs() < 1e-15, "{root}: {found}");
             let falling = |t: f64| {
                 let (value, slope) = rising(t);
                 (-value, -slope)
             };
-            let found = monotone_root(-1.0, 1.0, falling);
+            let found = monotone_root([-1.0, 1.0], false, 0.0, falling);
             assert!((found - root).abs() < 1e-15, "{root}, falling: {found}");
         }
     }
 
     #[test]
     fn flat_roots_are_found_by_halves() {
-        let found = monotone_root(-1.0, 2.0, |t| ((t - 0.5).powi(5), 5.0 * (t - 0.5).powi(4)));
+        let flat = |t: f64| ((t - 0.5).powi(5), 5.0 * (t - 0.5).powi(4));
+        let found = monotone_root([-1.0, 2.0], true, 0.0, flat);
         assert!((found - 0.5).abs() < 1e-3, "{found}");
     }
 
     #[test]
     fn a_sign_that_does_not_change_ends() {
-        let found = monotone_root(0.0, 1.0, |_| (1.0, 0.0));
+        let found = monotone_root([0.0, 1.0], true, 0.0, |_| (1.0, 0.0));
         assert!((0.0..=1.0).contains(&found), "{found}");
-        let found = monotone_root(0.0, 1.0, |_| (f64::NAN, f64::NAN));
+        let found = monotone_root([0.0, 1.0], true, 0.0, |_| (f64::NAN, f64::NAN));
         assert!((0.0..=1.0).contains(&found), "{found}");
     }
 }

@@ -6,6 +6,7 @@ use common::{Numbers, tree};
 use glam::DVec3;
 use hemicube_csg::{Camera, CsgError, Light, Material, Pattern, Ray, Scene, Sky, Solid, View};
 use hemicube_raster::Rgb;
+use hemicube_raster::antialias::Antialiasing;
 
 fn plain(color: Rgb) -> Result<Material, CsgError> {
     Ok(Material::matte(Pattern::plain(color)?))
@@ -152,11 +153,12 @@ fn pictures_do_not_depend_on_threads() -> Result<(), CsgError> {
     let view = View {
         scene: &scene,
         camera: &camera,
-        width: 60,
-        height: 40,
+        size: (60, 40),
     };
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let alone = alone.expect("one thread").install(|| view.render());
-    assert_eq!(alone, view.render(), "the same bits");
+    let alone = alone
+        .expect("one thread")
+        .install(|| view.render(Antialiasing::NONE));
+    assert_eq!(alone, view.render(Antialiasing::NONE), "the same bits");
     Ok(())
 }

@@ -9,7 +9,6 @@
 
 mod csg;
 mod exhibit;
-mod fruit_bowl;
 
 pub use exhibit::{Exhibit, GalleryError, Piece, Request};
 

@@ -16,29 +16,32 @@ use glam::DVec3;
 
 /// The spans between the roots of the quartic.
 pub(super) fn ends(tube: f64, line: &CentredLine) -> Ends {
-    let (o, d) = (line.origin, line.direction);
-    let reach = 1.0 + tube;
-    let half_squared = reach * reach - o.length_squared();
-    if half_squared <= 0.0 || o.y.abs() > tube + half_squared.sqrt() * d.y.abs() {
+    let Some([low, high]) = within_reach(tube, line) else {
         return Ends::NONE;
-    }
-    let half = half_squared.sqrt();
-    let m = o.length_squared() + 1.0 - tube * tube;
+    };
+    let (o, d) = (line.origin, line.direction);
+    // The squared distance from the axis is a t² + 2 b t + c.
     let a = d.x * d.x + d.z * d.z;
     let b = o.x * d.x + o.z * d.z;
     let c = o.x * o.x + o.z * o.z;
+    let off_axis = |t: f64| (a * t + 2.0 * b) * t + c;
+    let is_in_the_hole = tube < 1.0 && off_axis(low).max(off_axis(high)) < (1.0 - tube).powi(2);
+    if is_in_the_hole || off_axis((-b / a).clamp(low, high)) > (1.0 + tube).powi(2) {
+        return Ends::NONE;
+    }
+    let m = o.length_squared() + 1.0 - tube * tube;
     let p = m - 2.0 * a;
     let quartic = |t: f64| {
         let value = ((t * t + 2.0 * p) * t - 8.0 * b) * t + m * m - 4.0 * c;
         (value, 4.0 * ((t * t + p) * t - 2.0 * b))
     };
-    let (cuts, count) = extrema(p, b, half);
+    let (cuts, count) = extrema(p, b, [low, high]);
     let mut ends = Ends::NONE;
-    let (mut from, mut is_inside) = (-half, false);
+    let (mut from, mut is_inside) = (low, false);
     for &to in &cuts[..count] {
-        let will_be_inside = to < half && quartic(to).0 < 0.0;
+        let will_be_inside = to < high && quartic(to).0 < 0.0;
         if will_be_inside != is_inside {
-            let root = monotone_root(from, to, quartic);
+            let root = monotone_root([from, to], is_inside, 0.0, quartic);
             if tube <= 1.0 || is_outer(tube, line.at(root)) {
                 ends.push(root);
             }
@@ -50,19 +53,38 @@ pub(super) fn ends(tube: f64, line: &CentredLine) -> Ends {
     ends
 }
 
-/// Where the quartic may turn within `±half`, ascending, and `half` itself; and how many these are.
-fn extrema(p: f64, b: f64, half: f64) -> ([f64; 4], usize) {
+/// The part of the line within the ball around the torus and between the planes that touch it, if there is any.
+fn within_reach(tube: f64, line: &CentredLine) -> Option<[f64; 2]> {
+    let half_squared = (1.0 + tube).powi(2) - line.origin.length_squared();
+    if half_squared <= 0.0 {
+        return None;
+    }
+    let half = half_squared.sqrt();
+    let (height, slope) = (line.origin.y, line.direction.y);
+    let (a, b) = ((-tube - height) / slope, (tube - height) / slope);
+    // Along the planes both are infinite, and of the same sign if the line is not between them.
+    let (low, high) = (a.min(b).max(-half), a.max(b).min(half));
+    (low < high).then_some([low, high])
+}
+
+/// How well an extremum has to be known: the value there is off by the square of it, which is rounding.
+const FLAT: f64 = 1e-8;
+
+/// Where the quartic may turn between two places, ascending, and the upper place itself; and how many these are.
+fn extrema(p: f64, b: f64, [low, high]: [f64; 2]) -> ([f64; 4], usize) {
     let cubic = |t: f64| ((t * t + p) * t - 2.0 * b, 3.0 * t * t + p);
-    let turn = (-p / 3.0).max(0.0).sqrt().min(half);
+    let turn = (-p / 3.0).max(0.0).sqrt();
+    let places = [low, (-turn).clamp(low, high), turn.clamp(low, high), high];
     let mut cuts = [0.0; 4];
     let mut count = 0;
-    for (from, to) in [(-half, -turn), (-turn, turn), (turn, half)] {
-        if (cubic(from).0 < 0.0) != (cubic(to).0 < 0.0) {
-            cuts[count] = monotone_root(from, to, cubic);
+    for pair in places.windows(2) {
+        let rises = cubic(pair[0]).0 < 0.0;
+        if rises != (cubic(pair[1]).0 < 0.0) {
+            cuts[count] = monotone_root([pair[0], pair[1]], rises, FLAT, cubic);
             count += 1;
         }
     }
-    cuts[count] = half;
+    cuts[count] = high;
     (cuts, count + 1)
 }
 

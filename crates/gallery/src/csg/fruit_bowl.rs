@@ -15,12 +15,12 @@ pub fn scene() -> Result<Scene, CsgError> {
     let mut solids = vec![table()?, bowl()?];
     solids.extend(in_the_bowl()?);
     solids.extend(on_the_table()?);
-    let window = Light::distant(DVec3::new(-0.55, 0.85, 0.55), Rgb::new(2.3, 2.2, 2.0))?;
+    let window = Light::distant(DVec3::new(-0.75, 0.85, 0.3), Rgb::new(2.7, 2.55, 2.3))?;
     let lamp = Light::point(DVec3::new(6.0, 6.5, 3.0), Rgb::new(17.0, 15.0, 12.5))?;
     let sky = Sky::new(
-        Rgb::new(0.34, 0.38, 0.46),
-        Rgb::new(0.26, 0.25, 0.25),
-        Rgb::new(0.08, 0.06, 0.05),
+        Rgb::new(0.22, 0.25, 0.31),
+        Rgb::new(0.17, 0.165, 0.165),
+        Rgb::new(0.07, 0.05, 0.04),
     )?;
     Ok(Scene::new(solids).with_lights([window, lamp]).with_sky(sky))
 }
@@ -57,8 +57,8 @@ fn at(x: f64, y: f64, z: f64) -> DVec3 {
 
 /// Squares of two woods, varnished.
 fn table() -> Made {
-    let light = Pattern::wood(srgb(0xd9_b8_84), srgb(0xb8_87_4e), 0.23)?;
-    let dark = Pattern::wood(srgb(0x7a_4a_28), srgb(0x4e_2b_16), 0.19)?;
+    let light = Pattern::wood(srgb(0xd9b884), srgb(0xb8874e), 0.23)?;
+    let dark = Pattern::wood(srgb(0x7a4a28), srgb(0x4e2b16), 0.19)?;
     let board = Material::matte(Pattern::checker(1.0, light, dark)?)
         .with_highlight(0.03, 120.0)?
         .with_coat(Rgb::splat(0.03))?;
@@ -74,7 +74,7 @@ fn bowl() -> Made {
     let foot = Solid::frustum(DVec3::ZERO, 1.0, at(0.0, 0.4, 0.0), 0.75)?
         - Solid::sphere(at(0.0, -1.1, 0.0), 1.35)?
         - Solid::sphere(centre, 2.05)?;
-    let glaze = Pattern::stripes(at(0.0, 0.5, 0.0), plain(0x1d_3f_6e)?, plain(0x23_57_8a)?)?;
+    let glaze = Pattern::stripes(at(0.0, 0.5, 0.0), plain(0x1d3f6e)?, plain(0x23578a)?)?;
     let glaze = Material::matte(glaze)
         .with_highlight(0.08, 300.0)?
         .with_coat(Rgb::splat(0.16))?;
@@ -82,10 +82,10 @@ fn bowl() -> Made {
 }
 
 fn in_the_bowl() -> Result<Vec<Solid>, CsgError> {
-    let red = apple([0xb0_1a_1c, 0xd8_a0_30])?
+    let red = apple([0xb01a1c, 0xd8a030])?
         .turned(at(0.3, 0.0, 1.0), -0.25)?
         .moved(at(-0.78, 1.5, 0.5))?;
-    let green = apple([0x8a_b0_2c, 0xc8_c0_50])?
+    let green = apple([0x8ab02c, 0xc8c050])?
         .turned(at(1.0, 0.0, 0.2), -0.5)?
         .moved(at(-0.35, 1.62, -0.8))?;
     let orange = |place, turn| orange()?.turned(at(1.0, 0.4, 0.2), turn)?.moved(place);
@@ -103,18 +103,18 @@ fn in_the_bowl() -> Result<Vec<Solid>, CsgError> {
         pear()?
             .turned(at(0.0, 0.0, 1.0), -0.35)?
             .moved(at(0.28, 1.75, -0.1))?,
-        banana(-0.35, -0.5, at(0.5, 2.02, -0.72))?,
-        banana(-0.15, -0.75, at(0.6, 2.0, -1.0))?,
+        banana(-0.25, -0.3, at(0.35, 2.5, -0.85))?,
+        banana(-0.1, -0.5, at(0.4, 2.42, -1.15))?,
     ])
 }
 
 fn on_the_table() -> Result<Vec<Solid>, CsgError> {
     Ok(vec![
-        grapes()?.moved(at(-2.2, 0.0, 1.9))?,
+        grapes()?.moved(at(-1.72, 0.0, 1.75))?,
         half_orange()?
             .turned(at(1.0, 0.0, 0.0), 0.95)?
-            .turned(DVec3::Y, 0.35)?
-            .moved(at(2.35, 0.42, 1.9))?,
+            .turned(DVec3::Y, -0.3)?
+            .moved(at(2.3, 0.62, 1.9))?,
         lemon()?
             .turned(DVec3::Y, 0.6)?
             .moved(at(2.75, 0.47, 0.35))?,
@@ -134,25 +134,25 @@ fn apple([skin, cheek]: [u32; 2]) -> Made {
     let stalk = Solid::torus(at(0.3, 0.3, 0.0), DVec3::Z, 0.3, 0.028)?
         & Solid::half_space(at(0.12, 0.0, 0.0), DVec3::X)?
         & Solid::half_space(at(0.0, 0.25, 0.0), DVec3::NEG_Y)?;
-    let wood = Material::matte(plain(0x4a_32_1c)?);
+    let wood = Material::matte(plain(0x4a321c)?);
     Ok(flesh | stalk.with_material(wood))
 }
 
 /// A ball with pores, and a navel.
 fn orange() -> Made {
-    let peel = Material::matte(plain(0xf0_86_10)?)
+    let peel = Material::matte(plain(0xf08610)?)
         .with_highlight(0.05, 40.0)?
         .with_coat(Rgb::splat(0.02))?
         .with_bumps(0.007, 0.035)?;
     let navel = Solid::cone(at(0.0, 0.7, 0.0), 0.07, at(0.0, 0.56, 0.0))?;
-    let green = Material::matte(plain(0x5a_6a_20)?);
+    let green = Material::matte(plain(0x5a6a20)?);
     Ok(Solid::sphere(DVec3::ZERO, 0.62)?.with_material(peel) - navel.with_material(green))
 }
 
 /// Peel, pith and ten segments: balls within balls, and thin walls that stay when the segments are cut out. The cut faces +Y.
 fn half_orange() -> Made {
     let ball = |radius| Solid::sphere(DVec3::ZERO, radius);
-    let peel = Material::matte(plain(0xf0_86_10)?)
+    let peel = Material::matte(plain(0xf08610)?)
         .with_highlight(0.05, 40.0)?
         .with_bumps(0.007, 0.035)?;
     let walls = (0..5).map(|i| {
@@ -161,9 +161,9 @@ fn half_orange() -> Made {
     });
     let core = Solid::cylinder(at(0.0, -0.7, 0.0), at(0.0, 0.7, 0.0), 0.05)?;
     let walls = Solid::union(walls.collect::<Result<Vec<_>, _>>()?) | core;
-    let juice = Pattern::speckles(srgb(0xf4_8c_14), srgb(0xfb_b8_48), 0.06, 0.35)?;
+    let juice = Pattern::speckles(srgb(0xf48c14), srgb(0xfbb848), 0.06, 0.35)?;
     let segments = ball(0.54)? - walls;
-    let pith = ball(0.575)?.with_material(Material::matte(plain(0xf6_e6_c0)?));
+    let pith = ball(0.575)?.with_material(Material::matte(plain(0xf6e6c0)?));
     let wet = Material::matte(juice)
         .with_highlight(0.08, 90.0)?
         .with_bumps(0.006, 0.05)?;
@@ -171,8 +171,8 @@ fn half_orange() -> Made {
     // Segments lie a little deeper than the walls between them.
     let lower = Solid::half_space(at(0.0, -0.012, 0.0), DVec3::Y)?;
     let cut = Solid::half_space(DVec3::ZERO, DVec3::Y)?;
-    let whole = shell.clone() | (pith - segments.clone()) | (segments & lower).with_material(wet);
-    let rind = Material::matte(plain(0xf6_e6_c0)?);
+    let whole = shell | (pith - segments.clone()) | (segments & lower).with_material(wet);
+    let rind = Material::matte(plain(0xf6e6c0)?);
     Ok(whole & cut.with_material(rind))
 }
 
@@ -188,7 +188,7 @@ fn lemon() -> Made {
         )?;
         Ok(neck | Solid::sphere(at(0.67 * side, 0.0, 0.0), 0.098)?)
     };
-    let peel = Material::matte(plain(0xf2_cf_1c)?)
+    let peel = Material::matte(plain(0xf2cf1c)?)
         .with_highlight(0.06, 50.0)?
         .with_coat(Rgb::splat(0.02))?
         .with_bumps(0.006, 0.05)?;
@@ -206,14 +206,14 @@ fn pear() -> Made {
     let body = Solid::sphere(DVec3::ZERO, belly)?
         | Solid::frustum(low, wide, high, narrow)?
         | Solid::sphere(at(0.0, height, 0.0), neck)?;
-    let skin = Pattern::speckles(srgb(0xb9_b8_3a), srgb(0x8c_6a_24), 0.11, 0.16)?;
+    let skin = Pattern::speckles(srgb(0xb9b83a), srgb(0x8c6a24), 0.11, 0.16)?;
     let stalk = Solid::frustum(
         at(0.0, height + neck - 0.03, 0.0),
         0.03,
         at(0.09, height + neck + 0.28, 0.0),
         0.045,
     )?;
-    let wood = Material::matte(plain(0x4a_32_1c)?);
+    let wood = Material::matte(plain(0x4a321c)?);
     Ok(body.with_material(waxed(skin)?) | stalk.with_material(wood))
 }
 
@@ -222,8 +222,8 @@ fn banana() -> Made {
     let (bend, thickness, half_angle): (f64, f64, f64) = (1.25, 0.2, 0.62);
     let ring = Solid::torus(DVec3::ZERO, DVec3::Z, bend, thickness)?;
     let peel = Material::matte(Pattern::speckles(
-        srgb(0xf0_c8_28),
-        srgb(0x6a_44_16),
+        srgb(0xf0c828),
+        srgb(0x6a4416),
         0.09,
         0.06,
     )?)
@@ -237,7 +237,7 @@ fn banana() -> Made {
         let neck = from + towards * length;
         let taper = Solid::frustum(from - towards * 0.02, thickness, neck, 0.07)?;
         let tip = Solid::frustum(neck - towards * 0.01, 0.068, neck + towards * 0.1, 0.055)?;
-        let brown = Material::matte(plain(0x4e_3a_18)?);
+        let brown = Material::matte(plain(0x4e3a18)?);
         Ok::<_, CsgError>((taper, tip.with_material(brown)))
     };
     let ((left, left_tip), (right, right_tip)) = (end(-1.0, 0.3)?, end(1.0, 0.42)?);
@@ -249,9 +249,9 @@ fn banana() -> Made {
 fn grapes() -> Made {
     let skin = Pattern::gradient(
         at(0.0, 0.0, 0.0),
-        srgb(0x3a_14_3c),
+        srgb(0x3a143c),
         at(0.6, 0.9, 0.4),
-        srgb(0x6c_2a_58),
+        srgb(0x6c2a58),
     )?;
     let material = Material::matte(skin)
         .with_highlight(0.08, 70.0)?
@@ -275,7 +275,7 @@ fn grapes() -> Made {
     let stalk = Solid::torus(at(0.0, 0.95, 0.0), DVec3::Z, 0.5, 0.03)?
         & Solid::half_space(at(0.0, 0.95, 0.0), DVec3::NEG_Y)?
         & Solid::half_space(DVec3::ZERO, at(-1.0, 0.0, 0.0).rotate_z(0.4))?;
-    let green = Material::matte(plain(0x6a_78_30)?);
+    let green = Material::matte(plain(0x6a7830)?);
     let turned = Solid::union(berries).with_material(material);
     (turned | stalk.moved(at(-0.5, 0.1, 0.0))?.with_material(green))
         .turned(DVec3::Y, FRAC_PI_2 * 0.3)
