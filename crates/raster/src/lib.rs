@@ -12,6 +12,7 @@
 pub mod clip;
 pub mod color;
 pub mod image;
+pub mod texture;
 pub mod tonemap;
 pub mod triangle;
 
