@@ -13,6 +13,7 @@ pub mod antialias;
 pub mod clip;
 pub mod color;
 pub mod image;
+pub mod texture;
 pub mod tonemap;
 pub mod triangle;
 
