@@ -9,6 +9,7 @@
 
 mod csg;
 mod exhibit;
+mod field;
 
 pub use exhibit::{Exhibit, GalleryError, Piece, Request};
 
@@ -18,4 +19,4 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS];
+const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS];

@@ -12,6 +12,7 @@
 pub mod antialias;
 pub mod clip;
 pub mod color;
+pub mod colormap;
 pub mod image;
 pub mod texture;
 pub mod tonemap;
