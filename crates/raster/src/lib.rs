@@ -7,6 +7,7 @@
 //! [`triangle`] draws perspective-correct triangles with a z-buffer and item buffers ([`clip`] cuts them in homogeneous
 //! coordinates before), [`tonemap`] brings light into the range of a display, [`image`] holds and stores pictures (PNG in
 //! sRGB, OpenEXR in linear light). Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
+//! [`colormap`] shows numbers as colours: perceptually even tables, isolines, element edges.
 #![forbid(unsafe_code)]
 
 pub mod antialias;

@@ -1,7 +1,7 @@
 //! Triangles with something to look up at each pixel: an item buffer says which triangle is seen, barycentric coordinates and their exact
 //! derivatives say where on it.
 
-use glam::{DMat4, DVec2, DVec3, Vec2, Vec3, Vec4};
+use glam::{DMat3, DMat4, DVec2, DVec3, Vec2, Vec3, Vec4};
 use hemicube_raster::antialias::{Antialiasing, Supersampler};
 use hemicube_raster::texture::TexcoordPlanes;
 use hemicube_raster::triangle::{Cull, DepthBuffer, Viewport, draw_ids};
@@ -19,32 +19,38 @@ pub struct Eye {
 /// Vertical field of view, radians.
 const FIELD_OF_VIEW: f64 = 0.45;
 
+/// How much larger the picture is than what it shows.
+const MARGIN: f64 = 1.04;
+
 impl Eye {
-    /// From a direction, so that all points are in the picture, whatever their size.
-    pub fn around(
-        points: &[Vec3],
-        direction: DVec3,
-        up: DVec3,
-        (width, height): (usize, usize),
-    ) -> Self {
-        let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let (low, high) = points
-            .iter()
-            .fold(start, |(low, high), &p| (low.min(p), high.max(p)));
-        let centre = (low.as_dvec3() + high.as_dvec3()) * 0.5;
-        let radius = points
-            .iter()
-            .map(|p| p.as_dvec3().distance(centre))
-            .fold(1e-30, f64::max);
+    /// From a direction, so near that all points just fit into the picture.
+    pub fn around(points: &[Vec3], direction: DVec3, (width, height): (usize, usize)) -> Self {
+        let direction = direction.normalize_or(DVec3::Z);
+        // Seen from above or below, -Z is up in the picture.
+        let is_steep = direction.y.abs() > 0.99;
+        let up = if is_steep { DVec3::NEG_Z } else { DVec3::Y };
+        let right = up.cross(direction).normalize();
+        let axes = DMat3::from_cols(right, direction.cross(right), direction);
+        let seen = || points.iter().map(|p| axes.transpose() * p.as_dvec3());
+        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = seen().fold(start, |(low, high), p| (low.min(p), high.max(p)));
+        let centre = (low + high) * 0.5;
         let aspect = width as f64 / height as f64;
-        let narrower = FIELD_OF_VIEW * aspect.min(1.0);
-        let distance = 1.02 * radius / (0.5 * narrower).sin();
-        let direction = direction.normalize();
-        let eye = centre + direction * distance;
-        let view = glam::dcamera::rh::view::look_at_mat4(eye, centre, up);
-        let (near, far) = (distance - 1.01 * radius, distance + 1.01 * radius);
-        let projection =
-            glam::dcamera::rh::proj::directx::perspective(FIELD_OF_VIEW, aspect, near, far);
+        let slope = DVec2::new(aspect, 1.0) * (0.5 * FIELD_OF_VIEW).tan() / MARGIN;
+        let needed = |p: DVec3| p.z + ((p - centre).truncate().abs() / slope).max_element();
+        let size = (high - low).max_element().max(1e-30);
+        // Not so near that what lies in front is out of proportion.
+        let nearest = high.z + 0.5 * size;
+        let height = seen().map(needed).fold(nearest, f64::max);
+        let eye = axes * centre.truncate().extend(height);
+        let view = glam::dcamera::rh::view::look_to_mat4(eye, -direction, up);
+        let (near, far) = (height - high.z, height - low.z);
+        let projection = glam::dcamera::rh::proj::directx::perspective(
+            FIELD_OF_VIEW,
+            aspect,
+            near - 0.01 * size,
+            far + 0.01 * size,
+        );
         Self {
             clip_from_world: projection * view,
             direction,
@@ -68,14 +74,14 @@ pub struct Fragment {
 }
 
 impl Fragment {
-    /// A number given at the corners, here; and the length of its gradient per pixel.
-    pub fn interpolate(&self, corners: [f32; 3]) -> (f32, f32) {
+    /// A number given at the corners, here; and its gradient per pixel.
+    pub fn interpolate(&self, corners: [f32; 3]) -> (f32, Vec2) {
         let (mut value, mut gradient) = (0.0, Vec2::ZERO);
         for (i, corner) in corners.into_iter().enumerate() {
             value += self.barycentric[i] * corner;
             gradient += self.gradients[i] * corner;
         }
-        (value, gradient.length())
+        (value, gradient)
     }
 
     /// A point given at the corners, here.
@@ -190,7 +196,7 @@ mod tests {
     #[test]
     fn values_and_gradients_are_those_of_the_plane() {
         let square = square();
-        let eye = Eye::around(square.as_flattened(), DVec3::Z, DVec3::Y, (100, 100));
+        let eye = Eye::around(square.as_flattened(), DVec3::Z, (100, 100));
         let image = draw(
             &square,
             &eye,
@@ -199,7 +205,11 @@ mod tests {
             Rgb::BLACK,
             |f| {
                 let (x, change) = f.interpolate(square[f.triangle].map(|p| p.x));
-                Rgb::new(x + 2.0, change, f.place(square[f.triangle]).y + 2.0)
+                Rgb::new(
+                    x + 2.0,
+                    change.length(),
+                    f.place(square[f.triangle]).y + 2.0,
+                )
             },
         );
         let (left, right) = (image.pixel(40, 50), image.pixel(60, 50));
@@ -220,8 +230,11 @@ mod tests {
             Vec3::new(1e6, 3.0, 1.0),
             Vec3::new(1e6, -3.0, 0.5),
         ];
-        for size in [(200, 50), (50, 200)] {
-            let eye = Eye::around(&far, DVec3::new(1.0, 0.4, 0.2), DVec3::Y, size);
+        let views = [(200, 50), (50, 200)]
+            .into_iter()
+            .flat_map(|size| [[1.0, 0.4, 0.2], [0.0, -1.0, 0.0], [0.0; 3]].map(|d| (size, d)));
+        for (size, direction) in views {
+            let eye = Eye::around(&far, direction.into(), size);
             for p in far {
                 let p = eye.clip(p);
                 assert!(

@@ -6,20 +6,31 @@ use super::sheet::{antialiasing, round_down, sheet, short, size};
 use super::vtk::Dataset;
 use super::{read, refuse};
 use crate::exhibit::{GalleryError, Piece, Request};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use hemicube_raster::antialias::Antialiasing;
 use hemicube_raster::colormap::{Colormap, FieldPaint, Isolines, Oklab, Wireframe};
 use hemicube_raster::{Image, Rgb};
 use std::path::Path;
 
-/// A triangle of the surface.
+/// A triangle of the surface: a triangular face, or half of a quadrilateral one.
 #[derive(Debug, Clone, Copy)]
 struct Part {
     corners: [Vec3; 3],
-    values: [f32; 3],
-    /// Texture coordinates that are 0 or 1 on the edges of the element: those of a square for the half of a
-    /// quadrilateral, else none.
-    quad: Option<[[f32; 2]; 3]>,
+    /// Where its corners lie on the face: in the unit square, or on half of it if the face is a triangle.
+    texcoords: [[f32; 2]; 3],
+    /// At the corners of the face; of a triangle the last one does not count.
+    values: [f32; 4],
+    is_quad: bool,
+}
+
+/// A place on a face.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    u: f32,
+    v: f32,
+    /// Gradients on the screen, per pixel.
+    u_gradient: Vec2,
+    v_gradient: Vec2,
 }
 
 /// The surface with its field.
@@ -42,7 +53,7 @@ pub fn draw_exhibit(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let [path] = &request.files[..] else {
         return Err(refuse(Path::new("--file"), "give mesh.vtk"));
     };
-    let size = size(request, (520, 520))?;
+    let size = size(request, (520, 400))?;
     let dataset = Dataset::parse(&read(path)?).map_err(|why| refuse(path, why))?;
     let field = Field::new(&dataset).map_err(|why| refuse(path, why))?;
     let paint = field.paint();
@@ -94,12 +105,15 @@ impl Field {
             Some(scalars) => scalars.values[corner as usize],
             None => scalars.values[face.cell],
         };
-        let part = |face: &Face, [a, b, c]: [usize; 3]| {
+        let part = |face: &Face, of_face: [usize; 3]| {
             let corners = face.corners();
+            let is_quad = corners.len() == 4;
+            let texcoords = if is_quad { SQUARE } else { TRIANGLE };
             Part {
-                corners: [a, b, c].map(|i| dataset.points[corners[i] as usize]),
-                values: [a, b, c].map(|i| value(face, corners[i])),
-                quad: (corners.len() == 4).then(|| [a, b, c].map(|i| SQUARE[i])),
+                corners: of_face.map(|i| dataset.points[corners[i] as usize]),
+                texcoords: of_face.map(|i| texcoords[i]),
+                values: [0, 1, 2, 3].map(|i| value(face, corners[i.min(corners.len() - 1)])),
+                is_quad,
             }
         };
         let halves = |face: &Face| {
@@ -134,7 +148,7 @@ impl Field {
 
     fn eye(&self, size: (usize, usize)) -> Eye {
         let points: Vec<Vec3> = self.parts.iter().flat_map(|part| part.corners).collect();
-        Eye::around(&points, DVec3::new(1.0, 0.75, 0.6), DVec3::Y, size)
+        Eye::around(&points, DVec3::new(1.0, 0.75, 0.6), size)
     }
 
     fn corners(&self) -> Vec<[Vec3; 3]> {
@@ -200,8 +214,11 @@ impl Field {
     }
 }
 
-/// Texture coordinates of a quadrilateral.
+/// Texture coordinates of the corners of a quadrilateral.
 const SQUARE: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+
+/// Those of a triangle, and one that no corner has.
+const TRIANGLE: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]];
 
 /// A name from a file as it can be written on a picture.
 fn printable(name: &str) -> String {
@@ -209,28 +226,61 @@ fn printable(name: &str) -> String {
 }
 
 impl Part {
+    fn place(&self, fragment: &Fragment) -> Place {
+        let (u, u_gradient) = fragment.interpolate(self.texcoords.map(|uv| uv[0]));
+        let (v, v_gradient) = fragment.interpolate(self.texcoords.map(|uv| uv[1]));
+        Place {
+            u,
+            v,
+            u_gradient,
+            v_gradient,
+        }
+    }
+
+    /// How much each corner of the face counts at a place, linear or bilinear as finite elements interpolate, so no
+    /// diagonal is seen; and how that changes along u and v.
+    fn weights(&self, Place { u, v, .. }: Place) -> [[f32; 3]; 4] {
+        if self.is_quad {
+            let (s, t) = (1.0 - u, 1.0 - v);
+            [
+                [s * t, -t, -s],
+                [u * t, t, -u],
+                [u * v, v, u],
+                [s * v, -v, s],
+            ]
+        } else {
+            [
+                [1.0 - u - v, -1.0, -1.0],
+                [u, 1.0, 0.0],
+                [v, 0.0, 1.0],
+                [0.0; 3],
+            ]
+        }
+    }
+
     fn color(&self, fragment: &Fragment, paint: &FieldPaint, interpolation: Interpolation) -> Rgb {
+        let place = self.place(fragment);
+        let weighted = || self.weights(place).into_iter().zip(self.values);
         match interpolation {
-            Interpolation::Colors => {
-                let corners = self.values.map(|value| paint.color(value, 0.0));
-                let weighted = fragment.barycentric.iter().zip(corners);
-                weighted.map(|(&weight, color)| color * weight).sum()
-            }
+            Interpolation::Colors => weighted()
+                .map(|([weight, ..], value)| paint.color(value, 0.0) * weight)
+                .sum(),
             Interpolation::Values => {
-                let (value, change) = fragment.interpolate(self.values);
-                paint.color(value, change)
+                let sum = |k: usize| weighted().map(|(w, value)| w[k] * value).sum::<f32>();
+                let gradient = place.u_gradient * sum(1) + place.v_gradient * sum(2);
+                paint.color(sum(0), gradient.length())
             }
         }
     }
 
     fn edge_coverage(&self, fragment: &Fragment, frame: &Wireframe) -> f32 {
-        let Some(quad) = self.quad else {
+        if !self.is_quad {
             let changes = fragment.gradients.map(|gradient| gradient.length());
             return frame.triangle_coverage(fragment.barycentric, changes);
-        };
-        let (u, u_change) = fragment.interpolate(quad.map(|uv| uv[0]));
-        let (v, v_change) = fragment.interpolate(quad.map(|uv| uv[1]));
-        frame.quad_coverage([u, v], [u_change, v_change])
+        }
+        let place = self.place(fragment);
+        let changes = [place.u_gradient.length(), place.v_gradient.length()];
+        frame.quad_coverage([place.u, place.v], changes)
     }
 
     /// Faces turned away from the eye are a little darker; both sides are alike.

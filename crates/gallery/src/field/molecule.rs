@@ -100,6 +100,10 @@ fn draw_molecule(
         .par_iter()
         .map(|p| potential.at(&atoms, p.as_dvec3()))
         .collect();
+    if !values.iter().any(|v| v.is_finite()) {
+        let why = "the grid of the potential does not meet its surface; give that of this molecule";
+        return Err(refuse(path, why));
+    }
     let paint = paint(&values);
     let picture = picture(&balls, &mesh, &values, &paint, size);
     let notes = notes(&balls, &mesh, &values, &paint);
@@ -127,6 +131,25 @@ fn paint(values: &[f32]) -> FieldPaint {
     FieldPaint::new(Colormap::diverging(), [-5.0 * spacing, 5.0 * spacing]).with_isolines(lines)
 }
 
+/// From the front; or, where the potential is known on the smaller part of the surface only, from the side of that part.
+fn best_side(mesh: &Mesh, values: &[f32]) -> DVec3 {
+    let mean = |is_counted: &dyn Fn(f32) -> bool| {
+        let pairs = mesh.positions.iter().zip(values);
+        let counted = pairs.filter(|(_, value)| is_counted(**value));
+        let (sum, count) = counted.fold((DVec3::ZERO, 0_u32), |(sum, count), (p, _)| {
+            (sum + p.as_dvec3(), count + 1)
+        });
+        (sum / f64::from(count.max(1)), count)
+    };
+    let (all, count) = mean(&|_| true);
+    let (known, known_count) = mean(&f32::is_finite);
+    if 2 * known_count < count {
+        known - all
+    } else {
+        DVec3::new(0.3, 0.25, 1.0)
+    }
+}
+
 /// The surface in the light of a lamp beside the eye. Its normal is that of the ball on which a pixel lies, so grooves
 /// between balls are sharp however coarse the mesh is.
 fn picture(
@@ -141,15 +164,15 @@ fn picture(
         .iter()
         .map(|t| t.map(|i| mesh.positions[i as usize]))
         .collect();
-    let eye = Eye::around(&mesh.positions, DVec3::new(0.3, 0.25, 1.0), DVec3::Y, size);
-    let lamp = (eye.direction + DVec3::new(-0.4, 0.6, 0.0)).normalize();
+    let eye = Eye::around(&mesh.positions, best_side(mesh, values), size);
+    let lamp = (eye.direction + DVec3::new(-0.4, 0.6, 0.0)).normalize_or(eye.direction);
     let shade = |fragment: &Fragment| {
         let triangle = mesh.triangles[fragment.triangle];
-        let (value, change) = fragment.interpolate(triangle.map(|i| values[i as usize]));
+        let (value, gradient) = fragment.interpolate(triangle.map(|i| values[i as usize]));
         let place = fragment.place(corners[fragment.triangle]).as_dvec3();
         #[expect(clippy::cast_possible_truncation, reason = "a cosine")]
         let cosine = balls.normal(place).dot(lamp).max(0.0) as f32;
-        paint.color(value, change) * (0.25 + 0.75 * cosine)
+        paint.color(value, gradient.length()) * (0.25 + 0.75 * cosine)
     };
     draw(&corners, &eye, size, antialiasing(), Rgb::WHITE, shade)
 }

@@ -182,11 +182,14 @@ impl<'a> Input<'a> {
     }
 }
 
+/// The number that some bytes say.
+type Decode = fn(&[u8]) -> f64;
+
 /// Bytes of a number of a type, and what they say.
-fn decoder(kind: &str) -> Option<(usize, fn(&[u8]) -> f64)> {
+fn decoder(kind: &str) -> Option<(usize, Decode)> {
     macro_rules! big_endian {
         ($number:ty) => {{
-            let decode: fn(&[u8]) -> f64 = |bytes| {
+            let decode: Decode = |bytes| {
                 <$number>::from_be_bytes(bytes.try_into().expect("as many bytes as it has")) as f64
             };
             (size_of::<$number>(), decode)

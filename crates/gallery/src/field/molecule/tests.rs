@@ -53,6 +53,20 @@ fn molecules_are_drawn_with_either_potential() {
 }
 
 #[test]
+fn a_grid_elsewhere_is_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let atoms = file(folder.path(), "water.pqr", WATER);
+    let text = charge_on_a_grid().replace("origin -5 -5 -5", "origin 50 -5 -5");
+    let grid = file(folder.path(), "elsewhere.dx", &text);
+    let request = Request {
+        files: vec![atoms, grid],
+        ..Request::default()
+    };
+    let line = draw_with_grid(&request).expect_err("no value").to_string();
+    assert!(line.contains("does not meet its surface"), "{line}");
+}
+
+#[test]
 fn coulomb_is_that_of_a_charge_in_its_medium() {
     let atom = Atom {
         centre: DVec3::ZERO,
