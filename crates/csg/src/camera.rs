@@ -38,8 +38,8 @@ impl Camera {
         })
     }
 
-    /// The ray through a point of a picture of `width` by `height` pixels: x to the right, y down, `(0, 0)` the upper left corner,
-    /// pixel centres at halves.
+    /// The ray through a point of a picture of `width` by `height` pixels: x to the right, y down, `(0, 0)` the upper
+    /// left corner, pixel centres at halves.
     pub fn ray(&self, x: f64, y: f64, width: usize, height: usize) -> Ray {
         let (width, height) = (width as f64, height as f64);
         let across = (2.0 * x - width) / height;

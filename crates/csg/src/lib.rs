@@ -23,9 +23,10 @@
 //! ```
 //!
 //! # Current state
-//! Whatever cannot be is refused by the constructors ([`CsgError`]); behind them nothing panics. Solids thinner than 1e-9
-//! (relative to `1 +` the distance from the eye) vanish; see [`Solid::spans`]. Lamps have no extent and the sky's light no shadows. Nothing is refracted.
-//! Set operations are walked by recursion: chains of many thousand operators exhaust the stack, [`Solid::union`] does not.
+//! Whatever cannot be is refused by the constructors ([`CsgError`]); behind them nothing panics. Solids thinner than
+//! 1e-9 (relative to `1 +` the distance from the eye) vanish; see [`Solid::spans`]. Lamps have no extent and the sky's
+//! light no shadows. Nothing is refracted. Set operations are walked by recursion: chains of many thousand operators
+//! exhaust the stack, [`Solid::union`] does not.
 #![forbid(unsafe_code)]
 
 mod bounds;

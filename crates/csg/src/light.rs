@@ -72,7 +72,8 @@ impl Light {
     }
 }
 
-/// Radiance of what is behind everything, by height; it is also the even light that reaches everywhere without shadows.
+/// Radiance of what is behind everything, by height; it is also the even light that reaches everywhere without
+/// shadows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sky {
     zenith: Rgb,

@@ -8,9 +8,9 @@ use hemicube_raster::Rgb;
 
 /// A surface: a diffuse ground with a pattern, highlights of the lamps, and a coat that mirrors.
 ///
-/// The three share the light, so no surface returns more than it receives. The coat mirrors the fraction
-/// `F(θ) = m + (1 - m) (1 - cos θ)⁵` (Schlick, *An inexpensive BRDF model for physically-based rendering*, 1994), without
-/// a coat F is 0. Of the rest, the share s goes into highlights and `1 - s` reaches the pattern.
+/// The three share the light, so no surface returns more than it receives. The coat mirrors the fraction `F(θ) = m +
+/// (1 - m) (1 - cos θ)⁵` (Schlick, *An inexpensive BRDF model for physically-based rendering*, 1994), without a coat F
+/// is 0. Of the rest, the share s goes into highlights and `1 - s` reaches the pattern.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     pattern: Pattern,
@@ -50,8 +50,8 @@ impl Material {
         Ok(self)
     }
 
-    /// With a coat that mirrors this fraction of the light that falls at right angles, and more towards grazing: 0.04 is
-    /// varnish or glaze, 0.9 polished metal.
+    /// With a coat that mirrors this fraction of the light that falls at right angles, and more towards grazing: 0.04
+    /// is varnish or glaze, 0.9 polished metal.
     pub fn with_coat(mut self, reflectance: Rgb) -> Result<Self, CsgError> {
         check_color(reflectance)?;
         self.coat = Some(reflectance);
@@ -88,8 +88,9 @@ impl Material {
 
     /// What of the light of a lamp below the coat goes to the eye, diffuse and in highlights: the BRDF, 1/sr.
     ///
-    /// Highlights are those of Blinn, *Models of light reflection for computer synthesized pictures* (SIGGRAPH 1977), with the factor
-    /// `(n + 2) (n + 4) / (8 π (2^(-n/2) + n))` by which a whole hemisphere of light at right angles gives exactly 1.
+    /// Highlights are those of Blinn, *Models of light reflection for computer synthesized pictures* (SIGGRAPH 1977),
+    /// with the factor `(n + 2) (n + 4) / (8 π (2^(-n/2) + n))` by which a whole hemisphere of light at right angles
+    /// gives exactly 1.
     pub(crate) fn brdf(&self, diffuse: Rgb, half_cosine: f64) -> Rgb {
         let ground = diffuse * ((1.0 - self.highlight) / core::f32::consts::PI);
         if self.highlight == 0.0 {

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-/// Smooth noise in about [-1, 1], 0 at points with whole coordinates: Perlin, *Improving noise* (SIGGRAPH 2002), with a hash of the
-/// coordinates in place of a table, so that it does not repeat. Twice continuously differentiable.
+/// Smooth noise in about [-1, 1], 0 at points with whole coordinates: Perlin, *Improving noise* (SIGGRAPH 2002), with
+/// a hash of the coordinates in place of a table, so that it does not repeat. Twice continuously differentiable.
 pub(crate) fn gradient_noise(p: DVec3) -> f64 {
     let cell = p.floor();
     let f = p - cell;

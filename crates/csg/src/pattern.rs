@@ -50,8 +50,8 @@ impl Pattern {
         Ok(Self(Kind::Plain(color)))
     }
 
-    /// Cubes with sides of length `cell`, in turns of one pattern and the other in all three directions. A face of a cube
-    /// lies on the origin's planes, half a cell away from the origin along y: so a floor at y = 0 cuts through cubes, not along
+    /// Cubes with sides of length `cell`, in turns of one pattern and the other in all three directions. The origin
+    /// lies in the middle of an edge along y, so that a floor at y = 0 goes through the middle of cubes and not along
     /// their faces.
     pub fn checker(cell: f64, even: Self, odd: Self) -> Result<Self, CsgError> {
         check_size("checker: cell", cell)?;

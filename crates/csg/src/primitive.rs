@@ -34,9 +34,9 @@ pub(crate) enum Primitive {
     HalfSpace,
 }
 
-/// A line in the place of a primitive, with the point nearest to the primitive's origin as its own: the origin is orthogonal to
-/// the direction, which has length 1. No digits are lost to the distance of the eye that way; see Haines et al.,
-/// *Precision improvements for ray/sphere intersection* (Ray Tracing Gems, 2019).
+/// A line in the place of a primitive, with the point nearest to the primitive's origin as its own: the origin is
+/// orthogonal to the direction, which has length 1. No digits are lost to the distance of the eye that way; see Haines
+/// et al., *Precision improvements for ray/sphere intersection* (Ray Tracing Gems, 2019).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CentredLine {
     pub origin: DVec3,

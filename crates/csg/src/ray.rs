@@ -12,8 +12,8 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// From a point into a direction of any length. If one of them is not finite or the direction has no length, the ray
-    /// meets nothing.
+    /// From a point into a direction of any length. If one of them is not finite or the direction has no length, the
+    /// ray meets nothing.
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         let direction = if origin.is_finite() {
             direction.normalize_or_zero()

@@ -7,8 +7,8 @@ const MOST_STEPS: usize = 128;
 /// gives value and derivative, `rises` says that the sign changes from - to +.
 ///
 /// Newton's steps as long as they stay within what is left of the interval and shrink, else halves: it converges
-/// quadratically near simple roots and always as fast as bisection. Where rounding has hidden the change of sign, it ends
-/// beside the place with the smaller value.
+/// quadratically near simple roots and always as fast as bisection. Where rounding has hidden the change of sign, it
+/// ends beside the place with the smaller value.
 pub(crate) fn monotone_root(
     [from, to]: [f64; 2],
     rises: bool,

@@ -1,7 +1,7 @@
 //! Solids under lamps: which is seen along a ray, and how bright it is.
 //!
-//! Whitted, *An improved illumination model for shaded display* (CACM 1980): at the first surface that a ray meets, lamps that
-//! nothing hides and the sky give their light, and what the surface mirrors is asked with a new ray.
+//! Whitted, *An improved illumination model for shaded display* (CACM 1980): at the first surface that a ray meets,
+//! lamps that nothing hides and the sky give their light, and what the surface mirrors is asked with a new ray.
 
 use crate::bounds::Bounds;
 use crate::leaf::Leaf;
@@ -52,7 +52,8 @@ pub struct Hit {
     pub normal: DVec3,
 }
 
-/// How far from a surface a ray starts that leaves it, relative to its distance from the world's origin: beyond rounding, below what is seen.
+/// How far from a surface a ray starts that leaves it, relative to its distance from the world's origin: beyond
+/// rounding, below what is seen.
 const OFFSET: f64 = 1e-7;
 
 /// Mirrored rays that count less than this are not cast: half a step of an 8-bit picture's darkest shades.
@@ -89,8 +90,8 @@ impl Scene {
         self
     }
 
-    /// With at most so many mirrors between the eye and what it sees; behind the last one a mirror shows the sky. Default
-    /// value: 6.
+    /// With at most so many mirrors between the eye and what it sees; behind the last one a mirror shows the sky.
+    /// Default value: 6.
     pub fn with_reflections(mut self, most: u32) -> Self {
         self.reflections = most;
         self
@@ -255,8 +256,8 @@ fn facing(normal: DVec3, ray: &Ray) -> DVec3 {
     }
 }
 
-/// The normal of a surface raised by a height whose gradient in space is given: only its part along the surface counts.
-/// Mikkelsen, *Bump mapping unparametrized surfaces on the GPU* (2010). It stays on the eye's side.
+/// The normal of a surface raised by a height whose gradient in space is given: only its part along the surface
+/// counts. Mikkelsen, *Bump mapping unparametrized surfaces on the GPU* (2010). It stays on the eye's side.
 fn bent(normal: DVec3, gradient: DVec3, ray: &Ray) -> DVec3 {
     let along = gradient - normal * normal.dot(gradient);
     let bent = (normal - along).normalize_or(normal);

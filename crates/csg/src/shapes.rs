@@ -61,7 +61,8 @@ impl Solid {
 
     /// A ring: all points within `tube_radius` of a circle of `ring_radius` around an axis.
     ///
-    /// A tube wider than the ring is an apple: the hole has closed, and the solid has a dimple at each end of its axis.
+    /// A tube wider than the ring is an apple: the hole has closed, and the solid has a dimple at each end of its
+    /// axis.
     pub fn torus(
         centre: DVec3,
         axis: DVec3,

@@ -69,8 +69,9 @@ impl Solid {
         }
     }
 
-    /// The union of any number of solids, empty if there are none. Neighbours are joined first, so that a ray only looks
-    /// at those that lie near it: halves along the longest side of the box around their centres, again and again.
+    /// The union of any number of solids, empty if there are none. Neighbours are joined first, so that a ray only
+    /// looks at those that lie near it: halves along the longest side of the box around their centres, again and
+    /// again.
     pub fn union(solids: impl IntoIterator<Item = Self>) -> Self {
         let (bounded, unbounded): (Vec<Self>, Vec<Self>) =
             solids.into_iter().partition(|s| s.bounds.is_bounded());
@@ -102,8 +103,8 @@ impl Solid {
         self.bounds
     }
 
-    /// Gives a material to those parts of the surface that have none yet. Cut surfaces belong to what cuts: a red apple
-    /// minus a white sphere has a red skin and a white bite.
+    /// Gives a material to those parts of the surface that have none yet. Cut surfaces belong to what cuts: a red
+    /// apple minus a white sphere has a red skin and a white bite.
     pub fn with_material(self, material: Material) -> Self {
         let material = Arc::new(material);
         self.map_leaves(&mut |leaf| {
@@ -184,8 +185,8 @@ impl Solid {
         }
     }
 
-    /// The parts of a line that lie inside, ascending, before its origin too. They may reach to infinity; those shorter
-    /// than about 1e-9 are left out.
+    /// The parts of a line that lie inside, ascending, before its origin too. They may reach to infinity; those
+    /// shorter than about 1e-9 are left out.
     pub fn spans(&self, ray: &Ray) -> Vec<Range<f64>> {
         let mut list = Vec::new();
         if ray.is_cast() {

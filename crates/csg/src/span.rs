@@ -1,8 +1,8 @@
 //! Interval lists along a ray and their set operations, after Roth, *Ray casting for modeling solids* (CGIP 18, 1982).
 //!
-//! A solid meets a line in spans. Sets of points combine along a line as they do in space, so the spans of `A - B` follow
-//! from those of A and B by one walk over the ends of both in order, which keeps in mind whether it is inside A and
-//! inside B. No surface is ever intersected with another one.
+//! A solid meets a line in spans. Sets of points combine along a line as they do in space, so the spans of `A - B`
+//! follow from those of A and B by one walk over the ends of both in order, which keeps in mind whether it is inside A
+//! and inside B. No surface is ever intersected with another one.
 //!
 //! Ends that [coincide] are crossed together. Surfaces that lie on each other so leave neither a skin without
 //! thickness, where one solid is cut along the face of another, nor a gap where two are glued together, and the

@@ -162,3 +162,75 @@ fn pictures_do_not_depend_on_threads() -> Result<(), CsgError> {
     assert_eq!(alone, view.render(Antialiasing::NONE), "the same bits");
     Ok(())
 }
+
+#[test]
+fn normals_are_at_right_angles_to_the_surface() {
+    let mut numbers = Numbers(25);
+    let mut checked = 0;
+    for _ in 0..1200 {
+        let scene = Scene::new([tree(&mut numbers, 1)]);
+        for _ in 0..10 {
+            let ray = numbers.ray();
+            let Some(hit) = scene.hit(&ray) else {
+                continue;
+            };
+            assert!((hit.normal.length() - 1.0).abs() < 1e-12, "of length 1");
+            assert!(hit.normal.dot(ray.direction()) <= 0.0, "on the ray's side");
+            let aside = ray.direction().any_orthonormal_vector() * 1e-5;
+            let near = scene.hit(&Ray::new(ray.origin() + aside, ray.direction()));
+            let Some(way) = near.map(|near| near.point - hit.point) else {
+                continue;
+            };
+            // Over an edge, or where the ray grazes, the way is long or the surface another one.
+            let same = near.is_some_and(|near| near.normal.dot(hit.normal) > 0.9999);
+            if same && way.length() < 1e-4 {
+                let off = way.dot(hit.normal) / way.length();
+                assert!(
+                    off.abs() < 2e-3,
+                    "{off} off the tangent plane at {}",
+                    hit.point
+                );
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 1000, "{checked} normals");
+}
+
+#[test]
+fn patterns_move_with_their_solid() -> Result<(), CsgError> {
+    let colors = [Rgb::splat(0.2), Rgb::splat(0.8)];
+    let [dark, light] = colors.map(Pattern::plain);
+    let stripes = Material::matte(Pattern::stripes(DVec3::X, dark?, light?)?);
+    let floor = Solid::half_space(DVec3::ZERO, DVec3::Y)?.with_material(stripes);
+    let color = |scene: &Scene, x: f64| {
+        let ray = Ray::new(DVec3::new(x, 1.0, 0.2), DVec3::NEG_Y);
+        scene.radiance(&ray).g
+    };
+    let still = Scene::new([floor.clone()]);
+    let moved = Scene::new([floor.clone().moved(DVec3::X * 0.3)?]);
+    let wide = Scene::new([floor.scaled(DVec3::new(4.0, 1.0, 1.0))?]);
+    for i in 0..40 {
+        let x = f64::from(i) * 0.0903 - 2.0;
+        assert_eq!(color(&moved, x), color(&still, x - 0.3), "moved, {x}");
+        assert_eq!(color(&wide, x), color(&still, x / 4.0), "stretched, {x}");
+    }
+    assert!(
+        color(&still, 0.25) < color(&still, 0.75),
+        "dark comes first"
+    );
+    Ok(())
+}
+
+#[test]
+fn cuts_have_the_colour_of_what_cuts() -> Result<(), CsgError> {
+    let red = plain(Rgb::new(1.0, 0.0, 0.0))?;
+    let white = plain(Rgb::WHITE)?;
+    let apple = Solid::sphere(DVec3::ZERO, 1.0)?.with_material(red);
+    let bite = Solid::sphere(DVec3::Z, 0.5)?.with_material(white);
+    let scene = Scene::new([apple - bite]);
+    let seen = |x: f64| scene.radiance(&Ray::new(DVec3::new(x, 0.0, 5.0), DVec3::NEG_Z));
+    assert_eq!(seen(0.0), Rgb::WHITE, "in the bite");
+    assert_eq!(seen(0.8), Rgb::new(1.0, 0.0, 0.0), "beside it");
+    Ok(())
+}

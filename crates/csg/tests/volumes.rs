@@ -129,7 +129,8 @@ fn nested_solids_have_their_volumes() -> Result<(), CsgError> {
     let [a, b] = pair(0.8)?;
     check("both", Ok(a | b), 2.0 * ball - lens);
 
-    // A box without a napkin ring's complement's other half, sheared and stretched: volumes scale with the determinant.
+    // A box without a napkin ring's complement's other half, sheared and stretched: volumes scale with the
+    // determinant.
     let shear = DMat3::from_cols_array(&[1.5, 0.2, 0.0, -0.3, 0.7, 0.4, 0.1, 0.0, 2.0]);
     let half = napkin_ring & Solid::half_space(O, DVec3::new(1.0, 1.0, 1.0))?;
     let sheared = half.transformed(DAffine3::from_mat3(shear));

@@ -1,9 +1,10 @@
 //! Numbers as colours: one-dimensional colour tables, isolines, element edges.
 //!
 //! A scalar field on a surface is shown through a texture: the *value* is what is interpolated over a triangle, as a
-//! texture coordinate, and each pixel looks its colour up in a table of one dimension. Interpolated colours of corners instead run
-//! straight through the space of colours, past all that the table has between them. In the table's place there may be any
-//! function of the value: here lines of equal value, of a width in pixels wherever the surface is steep or flat.
+//! texture coordinate, and each pixel looks its colour up in a table of one dimension. Interpolated colours of corners
+//! instead run straight through the space of colours, past all that the table has between them. In the table's place
+//! there may be any function of the value: here lines of equal value, of a width in pixels wherever the surface is
+//! steep or flat.
 //!
 //! ```
 //! use hemicube_raster::colormap::{Colormap, FieldPaint, Isolines};

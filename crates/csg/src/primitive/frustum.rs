@@ -1,7 +1,8 @@
 //! Cylinders, cones and what lies between.
 //!
-//! Inside is where `q(t) = x² + z² - (1 - taper y)²` is not above 0, between the planes y = 0 and y = 1. The quadric goes on
-//! behind its apex; since the taper is at most 1, the apex lies at y = 1 or beyond, and the planes cut that half off.
+//! Inside is where `q(t) = x² + z² - (1 - taper y)²` is not above 0, between the planes y = 0 and y = 1. The quadric
+//! goes on behind its apex; since the taper is at most 1, the apex lies at y = 1 or beyond, and the planes cut that
+//! half off.
 
 use super::{CentredLine, Ends};
 use glam::DVec3;

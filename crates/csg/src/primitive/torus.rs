@@ -4,11 +4,11 @@
 //! `t⁴ + 2 (m - 2 a) t² - 8 b t + m² - 4 c = 0` with `m = |o|² + 1 - k²`, `a = dx² + dz²`, `b = ox dx + oz dz`,
 //! `c = ox² + oz²`: moving the origin to the nearest point has removed the cubic term.
 //!
-//! Closed formulas lose half of the digits near double roots, where rays graze the surface. Instead the line is cut where
-//! the derivative vanishes, a depressed cubic that is cut by its own two extrema; between the cuts a function is monotone and
-//! has a root where its sign changes, which bisected Newton steps find to the last digits. Yuksel, *High-performance polynomial root
-//! finding for graphics* (2022), shows how well this does. Signs are taken as positive on both ends of the line, so roots always come
-//! in pairs.
+//! Closed formulas lose half of the digits near double roots, where rays graze the surface. Instead the line is cut
+//! where the derivative vanishes, a depressed cubic that is cut by its own two extrema; between the cuts a function is
+//! monotone and has a root where its sign changes, which bisected Newton steps find to the last digits. Yuksel,
+//! *High-performance polynomial root finding for graphics* (2022), shows how well this does. Signs are taken as
+//! positive on both ends of the line, so roots always come in pairs.
 
 use super::{CentredLine, Ends};
 use crate::root::monotone_root;

@@ -149,7 +149,8 @@ fn orange() -> Made {
     Ok(Solid::sphere(DVec3::ZERO, 0.62)?.with_material(peel) - navel.with_material(green))
 }
 
-/// Peel, pith and ten segments: balls within balls, and thin walls that stay when the segments are cut out. The cut faces +Y.
+/// Peel, pith and ten segments: balls within balls, and thin walls that stay when the segments are cut out. The cut
+/// faces +Y.
 fn half_orange() -> Made {
     let ball = |radius| Solid::sphere(DVec3::ZERO, radius);
     let peel = Material::matte(plain(0xf08610)?)

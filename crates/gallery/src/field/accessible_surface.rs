@@ -1,9 +1,10 @@
 //! The solvent-accessible surface of a molecule: where the centre of a water molecule can be (Lee and Richards 1971).
 //!
-//! It is the surface of a union of balls, `R_i = r_i + 1.4 Å` around each atom. With `f(p) = min_i |p - c_i| - R_i` it is `f = 0`:
-//! a grid of f finds the cells that it crosses, each of them gets one corner of the mesh, at the mean of where it crosses
-//! the cell's edges (surface nets; Gibson 1998). The corner is moved onto the balls to which these places belong: in a
-//! groove between balls onto all of them, so that the mesh follows the groove (as in dual contouring; Ju et al. 2002).
+//! It is the surface of a union of balls, `R_i = r_i + 1.4 Å` around each atom. With `f(p) = min_i |p - c_i| - R_i` it
+//! is `f = 0`: a grid of f finds the cells that it crosses, each of them gets one corner of the mesh, at the mean of
+//! where it crosses the cell's edges (surface nets; Gibson 1998). The corner is moved onto the balls to which these
+//! places belong: in a groove between balls onto all of them, so that the mesh follows the groove (as in dual
+//! contouring; Ju et al. 2002).
 
 use super::pqr::Atom;
 use glam::{DVec3, Vec3};
@@ -73,7 +74,8 @@ const MOST_CELLS: f64 = 8e6;
 const COARSEST: f64 = 1.0;
 
 impl Balls {
-    /// Around all atoms that have a radius. An error, in one line, if they lie so far apart that no grid can hold them.
+    /// Around all atoms that have a radius. An error, in one line, if they lie so far apart that no grid can hold
+    /// them.
     pub fn new(atoms: &[Atom]) -> Result<Self, String> {
         let with_radius = atoms.iter().filter(|a| a.radius > 0.0);
         let balls: Vec<Ball> = with_radius
@@ -168,8 +170,8 @@ impl Balls {
             .map_or(DVec3::ZERO, |b| (point - b.centre).normalize_or_zero())
     }
 
-    /// A point moved onto the surface: into the groove between some balls if there is one within `reach`, else onto the
-    /// nearest ball.
+    /// A point moved onto the surface: into the groove between some balls if there is one within `reach`, else onto
+    /// the nearest ball.
     fn projected(&self, start: DVec3, owners: &[&Ball], reach: f64) -> DVec3 {
         let groove = onto_all(start, owners);
         let off = |p: DVec3| self.nearest(p).map_or(0.0, |b| b.off(p));
@@ -186,8 +188,8 @@ impl Balls {
         point
     }
 
-    /// Area in Å² by counting: of so many points on each ball, spread evenly, those that no other ball contains (Shrake
-    /// and Rupley 1973).
+    /// Area in Å² by counting: of so many points on each ball, spread evenly, those that no other ball contains
+    /// (Shrake and Rupley 1973).
     pub fn counted_area(&self, points: u32) -> f64 {
         let area = |ball: &Ball| {
             let is_free = |i: &u32| {

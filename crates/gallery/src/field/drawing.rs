@@ -1,5 +1,5 @@
-//! Triangles with something to look up at each pixel: an item buffer says which triangle is seen, barycentric coordinates and their exact
-//! derivatives say where on it.
+//! Triangles with something to look up at each pixel: an item buffer says which triangle is seen, barycentric
+//! coordinates and their exact derivatives say where on it.
 
 use glam::{DMat3, DMat4, DVec2, DVec3, Vec2, Vec3, Vec4};
 use hemicube_raster::antialias::{Antialiasing, Supersampler};

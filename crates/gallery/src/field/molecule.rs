@@ -115,8 +115,8 @@ fn draw_molecule(
     ])
 }
 
-/// Colours on both sides of 0, equally far, so that all but the highest twentieth of the magnitudes are told apart, and
-/// ten intervals of isolines.
+/// Colours on both sides of 0, equally far, so that all but the highest twentieth of the magnitudes are told apart,
+/// and ten intervals of isolines.
 fn paint(values: &[f32]) -> FieldPaint {
     let known = values.iter().filter(|v| v.is_finite());
     let mut sizes: Vec<f32> = known.map(|v| v.abs()).collect();
@@ -131,7 +131,8 @@ fn paint(values: &[f32]) -> FieldPaint {
     FieldPaint::new(Colormap::diverging(), [-5.0 * spacing, 5.0 * spacing]).with_isolines(lines)
 }
 
-/// From the front; or, where the potential is known on the smaller part of the surface only, from the side of that part.
+/// From the front; or, where the potential is known on the smaller part of the surface only, from the side of that
+/// part.
 fn best_side(mesh: &Mesh, values: &[f32]) -> DVec3 {
     let mean = |is_counted: &dyn Fn(f32) -> bool| {
         let pairs = mesh.positions.iter().zip(values);

@@ -19,8 +19,8 @@ const FARTHEST: f64 = 1e5;
 const LARGEST_RADIUS: f64 = 20.0;
 const LARGEST_CHARGE: f64 = 1e4;
 
-/// The atoms of a file, from its lines `ATOM` and `HETATM`, whose last five words are x, y, z, charge and radius. Everything
-/// else is passed over. An error is one line, with the number of the line in the file.
+/// The atoms of a file, from its lines `ATOM` and `HETATM`, whose last five words are x, y, z, charge and radius.
+/// Everything else is passed over. An error is one line, with the number of the line in the file.
 pub fn parse(text: &[u8]) -> Result<Vec<Atom>, String> {
     let text = String::from_utf8_lossy(text);
     let mut atoms = Vec::new();

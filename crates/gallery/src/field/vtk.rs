@@ -1,6 +1,8 @@
-//! Meshes with scalars: the legacy VTK format, as text or big-endian binary, of unstructured grids and structured points.
+//! Meshes with scalars: the legacy VTK format, as text or big-endian binary, of unstructured grids and structured
+//! points.
 //!
-//! Of the attributes the scalars (`SCALARS`, and arrays of one component in `FIELD`) are kept; everything else is passed over.
+//! Of the attributes the scalars (`SCALARS`, and arrays of one component in `FIELD`) are kept; everything else is
+//! passed over.
 
 use super::{number, quoted};
 use glam::Vec3;
@@ -40,7 +42,8 @@ pub struct Scalars {
 const MOST: usize = 1 << 22;
 
 impl Dataset {
-    /// Reads a file. An error is one line. What the file promises is compared with its length before memory is asked for.
+    /// Reads a file. An error is one line. What the file promises is compared with its length before memory is asked
+    /// for.
     pub fn parse(bytes: &[u8]) -> Result<Self, String> {
         let mut input = Input {
             bytes,
@@ -281,7 +284,8 @@ fn points(numbers: &[f64]) -> Result<Vec<Vec3>, String> {
     numbers.chunks_exact(3).map(point).collect()
 }
 
-/// The corners of each cell. Since version 5 offsets and corners stand apart, before each cell began with its number of corners.
+/// The corners of each cell. Since version 5 offsets and corners stand apart, before each cell began with its number
+/// of corners.
 fn cells(input: &mut Input<'_>, points: usize) -> Result<Vec<Vec<u32>>, String> {
     let (first, second) = (input.count("cells")?, input.count("numbers of cells")?);
     let before = input.at;

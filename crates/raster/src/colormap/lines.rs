@@ -30,9 +30,9 @@ impl Isolines {
     /// The share of a pixel that lines cover, where the value changes by `change` over it.
     ///
     /// A pixel sees the values `value ± change / 2`, and a line of width w those within `w change / 2` of its own: the
-    /// share is an integral over a pattern that repeats, in closed form, so lines have smooth edges. Where they come as
-    /// close as twice their width they get thinner: a steep field is an even tone of half the lines' colour, without moiré.
-    /// On a plateau (`change` 0) and for values that are not finite there is no line.
+    /// share is an integral over a pattern that repeats, in closed form, so lines have smooth edges. Where they come
+    /// as close as twice their width they get thinner: a steep field is an even tone of half the lines' colour,
+    /// without moiré. On a plateau (`change` 0) and for values that are not finite there is no line.
     pub fn coverage(&self, value: f32, change: f32) -> f32 {
         let change = change.abs() / self.spacing;
         let phase = (value - self.start) / self.spacing;
@@ -71,15 +71,15 @@ impl Default for Wireframe {
 }
 
 impl Wireframe {
-    /// The share of a pixel covered by the edges `u = 0`, `u = 1`, `v = 0` and `v = 1` of a quadrilateral, from its texture
-    /// coordinates and the lengths of their gradients on the screen.
+    /// The share of a pixel covered by the edges `u = 0`, `u = 1`, `v = 0` and `v = 1` of a quadrilateral, from its
+    /// texture coordinates and the lengths of their gradients on the screen.
     pub fn quad_coverage(&self, [u, v]: [f32; 2], [u_change, v_change]: [f32; 2]) -> f32 {
         let along = |t: f32, change: f32| self.edge_coverage(t.min(1.0 - t), change);
         along(u, u_change).max(along(v, v_change))
     }
 
-    /// The share of a pixel covered by the edges of a triangle, from its barycentric coordinates and the lengths of their
-    /// gradients on the screen.
+    /// The share of a pixel covered by the edges of a triangle, from its barycentric coordinates and the lengths of
+    /// their gradients on the screen.
     pub fn triangle_coverage(&self, barycentric: [f32; 3], changes: [f32; 3]) -> f32 {
         let edges = barycentric.into_iter().zip(changes);
         edges

@@ -2,7 +2,8 @@
 
 use crate::Rgb;
 
-/// A colour in Oklab (Ottosson, *A perceptual color space for image processing*, 2020): equal distances look equally different.
+/// A colour in Oklab (Ottosson, *A perceptual color space for image processing*, 2020): equal distances look equally
+/// different.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oklab {
     /// Lightness, 0 for black and 1 for white.

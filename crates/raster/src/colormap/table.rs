@@ -5,8 +5,8 @@ use crate::{Image, Rgb};
 
 /// Colours from 0 to 1, a texture of one dimension with linear interpolation.
 ///
-/// The tables are curves through a few colours in Oklab, walked at constant speed: equal steps of the value look equally
-/// large wherever they are (within 3 % of their mean), so no edge is seen that the data do not have.
+/// The tables are curves through a few colours in Oklab, walked at constant speed: equal steps of the value look
+/// equally large wherever they are (within 3 % of their mean), so no edge is seen that the data do not have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Colormap {
     entries: Vec<Rgb>,
@@ -28,7 +28,8 @@ impl Colormap {
         ])
     }
 
-    /// From blue over a light grey in the middle to red; both halves are equally dark at equal distances from the middle.
+    /// From blue over a light grey in the middle to red; both halves are equally dark at equal distances from the
+    /// middle.
     pub fn diverging() -> Self {
         let half = |hue: f32| {
             Self::through(&[
@@ -55,8 +56,8 @@ impl Colormap {
         ])
     }
 
-    /// A smooth curve through colours, at least two, walked at constant speed. What lies beyond the display's gamut is cut
-    /// off band by band.
+    /// A smooth curve through colours, at least two, walked at constant speed. What lies beyond the display's gamut is
+    /// cut off band by band.
     pub fn through(colors: &[Oklab]) -> Self {
         let fine = 16 * STEPS;
         let points: Vec<Oklab> = (0..=fine)
