@@ -70,6 +70,9 @@ pub struct Mesh {
 /// The most cells of either grid.
 const MOST_CELLS: f64 = 8e6;
 
+/// More atoms than any matter has in a cell: each of them would be compared with all the others.
+const CROWD: u32 = 1000;
+
 /// The coarsest mesh that shows atoms, Å.
 const COARSEST: f64 = 1.0;
 
@@ -99,7 +102,15 @@ impl Balls {
             ));
         }
         let largest = balls.iter().map(|b| b.radius).fold(0.0, f64::max);
-        Ok(Self::sorted(balls, [low, high], largest + COARSEST))
+        let sorted = Self::sorted(balls, [low, high], largest + COARSEST);
+        let counts = sorted.starts.windows(2).map(|pair| pair[1] - pair[0]);
+        match counts.max() {
+            Some(count @ CROWD..) => Err(format!(
+                "{count} atoms in a cube of {:.1} Å; this is no molecule",
+                sorted.cell
+            )),
+            _ => Ok(sorted),
+        }
     }
 
     fn sorted(mut balls: Vec<Ball>, [low, high]: [DVec3; 2], cell: f64) -> Self {
@@ -505,9 +516,13 @@ mod tests {
     }
 
     #[test]
-    fn atoms_too_far_apart_are_refused() {
+    fn atoms_too_far_apart_or_too_near_are_refused() {
         let far = atoms(&[([0.0; 3], 1.0), ([9e4, 9e4, 9e4], 1.0)]);
         let line = Balls::new(&far).expect_err("too far");
+        let near = |i: u32| ([f64::from(i) * 1e-4, 0.0, 0.0], 1.0);
+        let crowd = atoms(&(0..1000).map(near).collect::<Vec<_>>());
+        let crowded = Balls::new(&crowd).expect_err("too near");
+        assert!(crowded.contains("1000 atoms in a cube"), "{crowded}");
         assert!(
             line.contains("Å around the atoms") && !line.contains('\n'),
             "{line}"

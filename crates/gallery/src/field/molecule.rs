@@ -28,6 +28,9 @@ const COULOMB: f64 = 560.7;
 /// water (the distance-dependent dielectric `ε = 4 r`).
 const DIELECTRIC: f64 = 4.0;
 
+/// The most terms of Coulomb's law that are summed: half a minute of one thread.
+const MOST_TERMS: usize = 20_000_000_000;
+
 /// Where the potential comes from.
 enum Potential {
     /// A program for continuum electrostatics has computed it.
@@ -95,6 +98,11 @@ fn draw_molecule(
     let atoms = pqr::parse(&read(path)?).map_err(|why| refuse(path, why))?;
     let balls = Balls::new(&atoms).map_err(|why| refuse(path, why))?;
     let mesh = balls.mesh(SPACING);
+    let is_summed = matches!(potential, Potential::Charges);
+    if is_summed && atoms.len() * mesh.positions.len() > MOST_TERMS {
+        let why = "has too many charges to be summed; give the potential as a grid to 'molecule'";
+        return Err(refuse(path, why));
+    }
     let values: Vec<f32> = mesh
         .positions
         .par_iter()

@@ -100,7 +100,10 @@ impl Header {
                     .split_once('(')
                     .and_then(|(_, rest)| rest.split_once(')'));
                 let is_short = |unit: &&str| unit.len() <= 16 && unit.is_ascii();
-                self.unit = unit.map(|(u, _)| u).filter(is_short).map(str::to_owned);
+                // Not every comment names one.
+                if let Some(unit) = unit.map(|(unit, _)| unit).filter(is_short) {
+                    self.unit = Some(unit.to_owned());
+                }
             }
             Some("object") if words.contains(&"gridpositions") => {
                 let counts = after("counts").unwrap_or_default();
@@ -234,7 +237,7 @@ mod tests {
 
     fn text(counts: &str, items: usize, values: &str) -> String {
         format!(
-            "# Data\n# POTENTIAL (kT/e)\nobject 1 class gridpositions counts {counts}\norigin 1 2 3\n\
+            "# POTENTIAL (kT/e)\n#\nobject 1 class gridpositions counts {counts}\norigin 1 2 3\n\
              delta 0.5 0 0\ndelta 0 1 0\ndelta 0 0 2\nobject 2 class gridconnections counts {counts}\n\
              object 3 class array type double rank 0 items {items} data follows\n{values}\nattribute \"dep\"\n"
         )

@@ -19,6 +19,9 @@ const FARTHEST: f64 = 1e5;
 const LARGEST_RADIUS: f64 = 20.0;
 const LARGEST_CHARGE: f64 = 1e4;
 
+/// The most atoms that are drawn.
+const MOST_ATOMS: usize = 100_000;
+
 /// The atoms of a file, from its lines `ATOM` and `HETATM`, whose last five words are x, y, z, charge and radius.
 /// Everything else is passed over. An error is one line, with the number of the line in the file.
 pub fn parse(text: &[u8]) -> Result<Vec<Atom>, String> {
@@ -28,6 +31,12 @@ pub fn parse(text: &[u8]) -> Result<Vec<Atom>, String> {
         let is_atom = line.starts_with("ATOM") || line.starts_with("HETATM");
         if is_atom {
             let atom = atom(line).map_err(|why| format!("line {}: {why}", i + 1))?;
+            if atoms.len() == MOST_ATOMS {
+                return Err(format!(
+                    "line {}: more than {MOST_ATOMS} atoms; give a smaller part of the molecule",
+                    i + 1
+                ));
+            }
             atoms.push(atom);
         }
     }
@@ -117,5 +126,8 @@ mod tests {
             );
         }
         assert!(parse(&[0xff; 100]).is_err(), "no text");
+        let many = "ATOM 1 N T 1 0 0 0 0 1\n".repeat(MOST_ATOMS + 1);
+        let line = parse(many.as_bytes()).expect_err("too many");
+        assert!(line.starts_with("line 100001: more than"), "{line}");
     }
 }

@@ -39,7 +39,7 @@ pub struct Scalars {
 }
 
 /// The most points and cells that are read.
-const MOST: usize = 1 << 22;
+const MOST: usize = 1 << 20;
 
 impl Dataset {
     /// Reads a file. An error is one line. What the file promises is compared with its length before memory is asked
@@ -277,7 +277,7 @@ fn points(numbers: &[f64]) -> Result<Vec<Vec3>, String> {
     let point = |xyz: &[f64]| {
         let p = Vec3::new(narrow(xyz[0]), narrow(xyz[1]), narrow(xyz[2]));
         // Beyond, products of coordinates overflow.
-        (p.abs().max_element() <= 1e15)
+        (p.is_finite() && p.abs().max_element() <= 1e15)
             .then_some(p)
             .ok_or_else(|| format!("a point at ({}, {}, {})", xyz[0], xyz[1], xyz[2]))
     };
