@@ -41,7 +41,11 @@ pub(super) fn ends(tube: f64, line: &CentredLine) -> Ends {
     for &to in &cuts[..count] {
         let will_be_inside = to < high && quartic(to).0 < 0.0;
         if will_be_inside != is_inside {
-            let root = monotone_root([from, to], is_inside, 0.0, quartic);
+            // Where a parabola through the lowest point between the roots is 0.
+            let lowest = if is_inside { from } else { to };
+            let depth = -quartic(lowest).0 / (6.0 * lowest * lowest + 2.0 * p);
+            let start = lowest + depth.sqrt().copysign(if is_inside { 1.0 } else { -1.0 });
+            let root = monotone_root([from, to], start, is_inside, 0.0, quartic);
             if tube <= 1.0 || is_outer(tube, line.at(root)) {
                 ends.push(root);
             }
@@ -80,7 +84,7 @@ fn extrema(p: f64, b: f64, [low, high]: [f64; 2]) -> ([f64; 4], usize) {
     for pair in places.windows(2) {
         let rises = cubic(pair[0]).0 < 0.0;
         if rises != (cubic(pair[1]).0 < 0.0) {
-            cuts[count] = monotone_root([pair[0], pair[1]], rises, FLAT, cubic);
+            cuts[count] = monotone_root([pair[0], pair[1]], f64::NAN, rises, FLAT, cubic);
             count += 1;
         }
     }
