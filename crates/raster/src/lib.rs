@@ -15,6 +15,7 @@ pub mod color;
 pub mod image;
 pub mod tonemap;
 pub mod triangle;
+pub mod two_part;
 
 pub use color::Rgb;
 pub use image::Image;
