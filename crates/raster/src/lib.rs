@@ -13,6 +13,7 @@ pub mod bump;
 pub mod clip;
 pub mod color;
 pub mod image;
+pub mod reflection;
 pub mod tonemap;
 pub mod triangle;
 pub mod two_part;

@@ -124,7 +124,7 @@ proptest! {
                 let middle = 0.5 * (near + far);
                 if inside(middle) { near = middle } else { far = middle }
             }
-            let expected = point + direction * (0.5 * (near + far)) as f32;
+            let expected = (point.as_dvec3() + direction.as_dvec3() * (0.5 * (near + far))).as_vec3();
             let trace = mapping.trace(&surface).expect("rays from inside leave");
             // A grazing ray moves far along the surface for a rounded inside test.
             prop_assert!((trace.to - expected).length() < 1e-3, "{:?}: {} for {}", s, trace.to, expected);

@@ -27,6 +27,14 @@ impl Dual {
         }
     }
 
+    /// A function of two values and of its derivatives by them.
+    fn combine(self, o: Self, value: f64, slope: f64, slope_o: f64) -> Self {
+        Self {
+            value,
+            d: [0, 1].map(|k| self.d[k] * slope + o.d[k] * slope_o),
+        }
+    }
+
     /// Square root; at 0, where the slope is infinite, the derivatives count as 0.
     pub fn sqrt(self) -> Self {
         let root = self.value.sqrt();
@@ -76,10 +84,7 @@ impl Neg for Dual {
 impl Mul for Dual {
     type Output = Self;
     fn mul(self, o: Self) -> Self {
-        Self {
-            value: self.value * o.value,
-            d: [0, 1].map(|k| self.d[k] * o.value + self.value * o.d[k]),
-        }
+        self.combine(o, self.value * o.value, o.value, self.value)
     }
 }
 
@@ -104,10 +109,8 @@ impl Div for Dual {
     type Output = Self;
     fn div(self, o: Self) -> Self {
         let value = self.value / o.value;
-        Self {
-            value,
-            d: [0, 1].map(|k| (self.d[k] - value * o.d[k]) / o.value),
-        }
+        let slope = 1.0 / o.value;
+        self.combine(o, value, slope, -value * slope)
     }
 }
 
