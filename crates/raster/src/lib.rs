@@ -14,6 +14,7 @@ pub mod clip;
 pub mod color;
 pub mod image;
 pub mod reflection;
+pub mod texture;
 pub mod tonemap;
 pub mod triangle;
 pub mod two_part;
