@@ -9,6 +9,7 @@
 
 mod exhibit;
 mod stage;
+mod two_part;
 
 pub use exhibit::{Exhibit, GalleryError, Piece, Request};
 
@@ -18,4 +19,4 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[];
+const ROOMS: &[&[Exhibit]] = &[two_part::EXHIBITS];
