@@ -6,8 +6,9 @@ use hemicube_raster::bump::relief::{
     Bricks, GolfBall, Noise, OrangePeel, Relief, ReliefSample, Ripples,
 };
 use hemicube_raster::bump::{
-    HeightMap, HeightMapError, SlopeMoments, SlopePyramid, SurfaceGradient, blend_reoriented,
-    blinn_normal, decode_normal, encode_normal, facing, triplanar_weights,
+    HeightMap, HeightMapError, Parallax, SlopeMoments, SlopePyramid, SurfaceGradient,
+    blend_reoriented, blinn_normal, decode_normal, encode_normal, facing, sight_slope,
+    triplanar_weights,
 };
 use proptest::prelude::*;
 
@@ -138,6 +139,32 @@ proptest! {
         prop_assert!(normal.dot(view) < 0.0 || found == normal);
     }
 
+    /// A line of sight ends on the relief, with nothing of it above, to the accuracy of its steps.
+    #[test]
+    fn parallax_ends_where_the_relief_is(u in 0.0_f32..1.0, v in 0.0_f32..1.0, slope in prop::array::uniform2(-0.3_f32..0.3)) {
+        let depth = |p: Vec2| 0.5 + 0.3 * (5.0 * p.x).sin() * (4.0 * p.y).cos() + 0.1 * (11.0 * p.x).cos();
+        let (start, slope) = (Vec2::new(u, v), Vec2::from(slope));
+        let (end, at) = Parallax::default().with_refinements(20).meet(depth, start, slope);
+        prop_assert!((end - start - slope * at).length() < 1e-5, "on the line");
+        // The slope of what is below is at most 3 per unit, 1.3 along the line.
+        prop_assert!((at - depth(end)).abs() < 1e-4, "{at} for {}", depth(end));
+        for i in 0_u16..1000 {
+            let before = at * f32::from(i) / 1000.0;
+            prop_assert!(before <= depth(start + slope * before) + 1e-4, "hidden at {before}");
+        }
+    }
+
+    #[test]
+    fn line_of_sight_stays_in_line(normal in unit(), view in unit(), m in prop::array::uniform4(-2.0_f32..2.0)) {
+        prop_assume!((m[0] * m[3] - m[1] * m[2]).abs() > 0.2 && normal.dot(view) > 0.1);
+        let [pu, pv] = tangents(normal, m);
+        let slope = sight_slope(normal, [pu, pv], view, 0.5).expect("seen from outside");
+        let bottom = pu * slope.x + pv * slope.y - normal * 0.5;
+        prop_assert!(bottom.normalize().dot(view) < -0.9999, "{bottom} away from the eye");
+        prop_assert!(sight_slope(normal, [pu, pv], -view, 0.5).is_none());
+        prop_assert!(sight_slope(normal, [pu, pu], view, 0.5).is_none());
+    }
+
     #[test]
     fn any_numbers_give_unit_normals(
         numbers in prop::collection::vec(prop_oneof![any::<f32>(), -2.0_f32..2.0, Just(0.0)], 16), normal in unit(),
@@ -163,6 +190,9 @@ proptest! {
             let ReliefSample { height, gradient } = relief.sample(a);
             prop_assert!(height.is_finite() && gradient.is_finite(), "{name}");
         }
+        let (end, at) = Parallax::default().meet(|p| p.x * numbers[15], Vec2::splat(0.5), Vec2::new(0.1, 0.2));
+        prop_assert!((0.0..=1.0).contains(&at) && end.is_finite());
+        prop_assert!(sight_slope(normal, [a, b], c, numbers[9]).is_none_or(Vec2::is_finite));
         let map = HeightMap::from_fn(4, 4, |p| p.x).expect("a height map");
         let found = map.sample(s);
         prop_assert!(found.height.is_finite() && found.slopes.is_finite());
