@@ -55,8 +55,6 @@ impl Camera {
 pub(crate) struct Fragment {
     /// Which of the meshes.
     pub mesh: usize,
-    /// Which of its triangles.
-    pub triangle: usize,
     /// Place in the world.
     pub position: Vec3,
     /// Its derivatives.
@@ -73,6 +71,20 @@ pub(crate) struct Fragment {
     pub tangent: Vec4,
     /// Direction to the eye, of length 1.
     pub view: Vec3,
+}
+
+impl Fragment {
+    /// Derivatives of the place by u and v. `None` where the texture has no area on the screen.
+    pub fn d_position_by_texcoord(&self) -> Option<[Vec3; 2]> {
+        let [dx, dy] = self.d_texcoord;
+        let [px, py] = self.d_position;
+        let inverse = 1.0 / dx.perp_dot(dy);
+        let by = [
+            (px * dy.y - py * dx.y) * inverse,
+            (py * dx.x - px * dy.x) * inverse,
+        ];
+        by.iter().all(|d| d.is_finite()).then_some(by)
+    }
 }
 
 /// How a picture is sampled.
@@ -262,17 +274,10 @@ impl Stage<'_> {
             slope(DVec3::new(0.0, -2.0 / h, 0.0)),
         ];
         let vertices = corners.map(|i| self.meshes[mesh].vertices[i]);
-        Some(self.interpolate(mesh, triangle, &vertices, b.as_vec3(), db))
+        Some(self.interpolate(mesh, &vertices, b.as_vec3(), db))
     }
 
-    fn interpolate(
-        &self,
-        mesh: usize,
-        triangle: usize,
-        vertices: &[Vertex; 3],
-        b: Vec3,
-        db: [Vec3; 2],
-    ) -> Fragment {
+    fn interpolate(&self, mesh: usize, vertices: &[Vertex; 3], b: Vec3, db: [Vec3; 2]) -> Fragment {
         let weights = b.to_array();
         let sum3 = |w: [f32; 3], of: fn(&Vertex) -> Vec3| -> Vec3 {
             of(&vertices[0]) * w[0] + of(&vertices[1]) * w[1] + of(&vertices[2]) * w[2]
@@ -293,7 +298,6 @@ impl Stage<'_> {
         let tangent = sum3(weights, |v| v.tangent.truncate());
         Fragment {
             mesh,
-            triangle,
             position,
             d_position: derivatives.map(|w| sum3(w, |v| v.position)),
             normal,
@@ -356,6 +360,9 @@ mod tests {
                 let moved = (there - here) / step;
                 assert!((moved - expected).length() < 0.02, "{moved} for {expected}");
             }
+            let [pu, pv] = f.d_position_by_texcoord().expect("a textured plane");
+            let error = (pu - Vec3::X * 2.0).length() + (pv - Vec3::Z * 2.0).length();
+            assert!(error < 1e-4, "{pu} {pv}");
             // The plane's texture is laid over x and z.
             for (d, t) in f.d_position.into_iter().zip(f.d_texcoord) {
                 assert!((Vec2::new(d.x, d.z) / 2.0 - t).length() < 1e-5, "{d} {t}");

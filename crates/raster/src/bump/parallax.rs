@@ -44,9 +44,9 @@ impl Parallax {
     /// [`sight_slope`] gives: the texture coordinate's change on the way from the surface to the bottom.
     ///
     /// The depth is off by at most `2^-refinements / steps` for a relief that has no ridges thinner than a step. Depths
-    /// beyond the bottom count as 1, NaN as 0.
+    /// beyond the bottom count as 1, and so does NaN.
     pub fn meet(&self, depth: impl Fn(Vec2) -> f32, texcoord: Vec2, slope: Vec2) -> (Vec2, f32) {
-        let is_below = |at: f32| at >= depth(texcoord + slope * at).min(1.0).max(0.0);
+        let is_below = |at: f32| at >= depth(texcoord + slope * at).clamp(0.0, 1.0);
         let steps = self.steps.clamp(1, 4096);
         let step = 1.0 / steps as f32;
         let crossed = (0..=steps)
