@@ -5,6 +5,7 @@ use super::{camera, pairs, surface_point};
 use crate::stage::{Camera, Cell, Grid, Mesh, Sampling, draw as draw_stage};
 use crate::{GalleryError, Piece, Request};
 use glam::{Vec2, Vec3};
+use hemicube_chart::Canvas;
 use hemicube_raster::two_part::{Distortion, DistortionSummary, SurfacePoint, TwoPart};
 use hemicube_raster::{Image, Rgb};
 use std::fmt::Write as _;
@@ -46,8 +47,47 @@ pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     Ok(vec![
         Piece::sheet("-area", &sheet(area_color, |d| d.area))?,
         Piece::sheet("-anisotropy", &sheet(anisotropy_color, |d| d.anisotropy))?,
+        Piece::sheet("-legend", &legend())?,
         Piece::csv("", table),
     ])
+}
+
+/// What the colours mean, and the figures below the pictures.
+fn legend() -> Canvas {
+    const SIZE: (usize, usize) = (420, 30);
+    let ramp = |color: fn(&Distortion) -> Rgb, at: fn(f64) -> Distortion| {
+        let shade = |i: usize| color(&at((i % SIZE.0) as f64 / SIZE.0 as f64));
+        Image::from_pixels(SIZE.0, SIZE.1, (0..SIZE.0 * SIZE.1).map(shade).collect())
+            .expect("a colour for each pixel")
+    };
+    let cell = |image, lines: [&str; 3]| Cell {
+        image,
+        lines: lines.map(str::to_owned).to_vec(),
+    };
+    let area = ramp(area_color, |share| Distortion {
+        major: 16.0_f64.powf(2.0 * share - 1.0),
+        minor: 1.0,
+    });
+    let anisotropy = ramp(anisotropy_color, |share| Distortion {
+        major: 16.0_f64.powf(share),
+        minor: 1.0,
+    });
+    let figures = "figures: smallest | geometric mean | largest";
+    let cells = [
+        cell(
+            area,
+            [
+                "texture area on the surface",
+                "1/16 to 16, white: 1",
+                figures,
+            ],
+        ),
+        cell(
+            anisotropy,
+            ["anisotropy", "1 to 16 times as long as wide", figures],
+        ),
+    ];
+    Grid::of_cells(1, SIZE, 3).lay_out(&cells)
 }
 
 /// Smallest, mean and largest.
@@ -165,8 +205,11 @@ mod tests {
         };
         let pieces = draw(&request).expect("sheets and a table");
         let suffixes: Vec<&str> = pieces.iter().map(|p| p.suffix.as_str()).collect();
-        assert_eq!(suffixes, ["-area.png", "-anisotropy.png", ".csv"]);
-        let table = String::from_utf8(pieces[2].bytes.clone()).expect("text");
+        assert_eq!(
+            suffixes,
+            ["-area.png", "-anisotropy.png", "-legend.png", ".csv"]
+        );
+        let table = String::from_utf8(pieces[3].bytes.clone()).expect("text");
         assert_eq!(table.lines().count(), 21, "{table}");
     }
 }

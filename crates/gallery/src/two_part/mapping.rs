@@ -2,11 +2,12 @@
 
 use super::card::card;
 use super::{camera, pairs, surface_point};
-use crate::stage::{Cell, Fragment, Grid, Mesh, Sampling, draw as draw_stage};
+use crate::stage::{Camera, Cell, Fragment, Grid, Mesh, Sampling, draw as draw_stage};
 use crate::{GalleryError, Piece, Request};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use hemicube_chart::Canvas;
 use hemicube_raster::texture::{Minify, Sampler, Texture};
-use hemicube_raster::two_part::{SMap, TwoPart};
+use hemicube_raster::two_part::{Mapped, OMap, SMap, SurfacePoint, TwoPart};
 use hemicube_raster::{Image, Rgb};
 
 /// What has no texture.
@@ -25,7 +26,47 @@ pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         lines: vec![s.to_owned(), o.to_owned()],
     };
     let cells: Vec<Cell> = pairs().map(cell).collect();
-    Ok(vec![Piece::sheet("", &grid.lay_out(&cells))?])
+    Ok(vec![
+        Piece::sheet("", &grid.lay_out(&cells))?,
+        Piece::sheet("-seam", &seam(&vase, grid.cell))?,
+    ])
+}
+
+/// The back of the vase, where u jumps from 1 to 0, with footprints from differences between pixels, as a naive program
+/// takes them, and with exact ones.
+fn seam(vase: &Mesh, size: (usize, usize)) -> Canvas {
+    let camera = Camera::new(Vec3::new(0.4, 0.8, -3.2), Vec3::ZERO, 16.0);
+    let mapping = TwoPart::new(SMap::cylinder(1.1, 2.4), OMap::IntermediateNormal);
+    let card = card((mapping.s.extent(0) / FIELD).round().as_uvec2());
+    let picture = |footprint: &(dyn Fn(&SurfacePoint, &Mapped) -> [Vec2; 2] + Sync)| {
+        let sampling = Sampling { size, per_side: 1 };
+        draw_stage(&camera, sampling, &[vase], BACKGROUND, |fragment| {
+            let surface = surface_point(fragment, camera.eye);
+            let color = mapping.map(&surface).map_or(BARE, |mapped| {
+                let [dx, dy] = footprint(&surface, &mapped);
+                let texel = Sampler::default().sample_grad(&card, mapped.texcoord, dx, dy);
+                Rgb::new(texel.x, texel.y, texel.z)
+            });
+            color * shading(fragment)
+        })
+    };
+    let naive = |surface: &SurfacePoint, here: &Mapped| {
+        surface.d_point.map(|d| {
+            let next = mapping.texcoord(surface.point + d, surface.normal, surface.view);
+            next.map_or(Vec2::ZERO, |(texcoord, _)| texcoord - here.texcoord)
+        })
+    };
+    let cell = |image, lines: [&str; 2]| Cell {
+        image,
+        lines: lines.map(str::to_owned).to_vec(),
+    };
+    Grid::of_cells(2, size, 2).lay_out(&[
+        cell(picture(&naive), ["differences", "a line at the seam"]),
+        cell(
+            picture(&|_, mapped| mapped.d_texcoord),
+            ["derivatives", "no line"],
+        ),
+    ])
 }
 
 /// The vase with the card of the mapping's surface, in light from the upper left.
@@ -75,8 +116,9 @@ mod tests {
             size: Some((240, 420)),
             ..Request::default()
         };
-        let pieces = draw(&request).expect("a sheet");
-        assert_eq!(pieces[0].suffix, ".png");
+        let pieces = draw(&request).expect("sheets");
+        let suffixes: Vec<&str> = pieces.iter().map(|p| p.suffix.as_str()).collect();
+        assert_eq!(suffixes, [".png", "-seam.png"]);
         let tiny = Request {
             size: Some((20, 20)),
             ..Request::default()
@@ -90,7 +132,7 @@ mod tests {
     fn no_footprint_is_as_wide_as_the_texture() {
         let vase = Mesh::vase(96);
         let eye = Vec3::new(0.3, 0.4, -4.3);
-        let camera = crate::stage::Camera::new(eye, Vec3::ZERO, 30.0);
+        let camera = Camera::new(eye, Vec3::ZERO, 30.0);
         let mapping = TwoPart::new(SMap::cylinder(1.1, 2.4), super::super::O_MAPS[3].1);
         let sampling = Sampling {
             size: (120, 120),
