@@ -310,6 +310,38 @@ fn noise_is_seeded_and_reliefs_are_not_flat() {
     }
 }
 
+/// The belt of dimples that are looked at has all that reach a point.
+#[test]
+fn golf_ball_is_the_sum_of_all_dimples() {
+    for n in [1_u32, 2, 7, 50, 336] {
+        let ball = GolfBall::default().with_dimples(n);
+        let count = f64::from(n);
+        let radius = 0.95 * (2.0 * core::f64::consts::PI / (count * 3.0_f64.sqrt())).sqrt();
+        let center = |i: u32| {
+            let y = 1.0 - (2.0 * f64::from(i) + 1.0) / count;
+            let angle = f64::from(i) * core::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+            let r = (1.0 - y * y).sqrt();
+            DVec3::new(r * angle.cos(), y, r * angle.sin())
+        };
+        for k in 0_u16..2000 {
+            let (y, angle) = (f64::from(k) / 999.5 - 1.0, 0.37 * f64::from(k));
+            let r = (1.0 - y * y).max(0.0).sqrt();
+            let p = DVec3::new(r * angle.cos(), y, r * angle.sin());
+            let hump = |i| {
+                (1.0 - (p.distance(center(i)) / radius).powi(2))
+                    .max(0.0)
+                    .powi(3)
+            };
+            let expected = -0.02 * (0..n).map(hump).sum::<f64>();
+            let found = f64::from(ball.sample((p * 2.5).as_vec3()).height);
+            assert!(
+                (found - expected).abs() < 1e-6,
+                "{n} dimples at {p}: {found} for {expected}"
+            );
+        }
+    }
+}
+
 /// Dimples cover the share of the ball that their number and size say: none is forgotten by the belt.
 #[test]
 fn golf_ball_has_all_its_dimples() {
