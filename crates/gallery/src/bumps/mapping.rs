@@ -190,7 +190,7 @@ fn procedural() -> Vec<(&'static str, &'static str, &'static str, Normal<'static
 /// The sphere with the relief in its vertices.
 fn displaced() -> Mesh {
     let relief = golf_ball();
-    Mesh::sphere(1.0, 512).displaced(|vertex: &Vertex| relief.sample(vertex.position).height)
+    Mesh::sphere(1.0, 384).displaced(|vertex: &Vertex| relief.sample(vertex.position).height)
 }
 
 fn camera() -> Camera {
