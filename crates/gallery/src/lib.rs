@@ -7,9 +7,12 @@
 //! Exhibits on measured data ask for files ([`Exhibit::needs`]); all others need nothing.
 #![forbid(unsafe_code)]
 
+mod bumps;
 mod csg;
 mod exhibit;
 mod field;
+mod stage;
+mod two_part;
 
 pub use exhibit::{Exhibit, GalleryError, Piece, Request};
 
@@ -19,4 +22,4 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS];
+const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS, two_part::EXHIBITS, bumps::EXHIBITS];
