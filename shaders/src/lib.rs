@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod hemicube;
+pub mod shooting;
 
 /// A shader: name and source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,5 +34,5 @@ pub(crate) use shader;
 
 /// All shaders.
 pub fn all() -> impl Iterator<Item = &'static Shader> {
-    hemicube::SHADERS.iter()
+    hemicube::SHADERS.iter().chain(&shooting::SHADERS)
 }

@@ -32,7 +32,7 @@ use wgpu::{
 };
 
 /// What all the light of a hemicube is in whole numbers.
-const ALL: f64 = 2_147_483_648.0;
+pub(crate) const ALL: f64 = 2_147_483_648.0;
 /// Most hemicubes of a submission.
 const MOST_VIEWS: u64 = 16;
 /// Most memory of the pictures of a submission, in bytes.
@@ -76,7 +76,7 @@ impl GpuHemicube {
         let cpu = Hemicube::new(mesh, options).map_err(|e| GpuError::Option(e.to_string()))?;
         let geometry = Geometry::new(&context, &cpu)?;
         let pass = HemicubePass::new(&context);
-        let batch = Batch::new(&context, &pass, &geometry, &cpu)?;
+        let batch = Batch::new(&context, &pass, &geometry, MOST_VIEWS)?;
         context.wait()?;
         Ok(Self {
             batch: Mutex::new(batch),
@@ -194,7 +194,7 @@ impl FormFactors for GpuHemicube {
 }
 
 /// A viewpoint as the shaders know it.
-fn viewpoint(mesh: &PatchMesh, view: &Viewpoint) -> twins::Viewpoint {
+pub(crate) fn viewpoint(mesh: &PatchMesh, view: &Viewpoint) -> twins::Viewpoint {
     let [tangent, bitangent, normal] = view.axes.map(|axis| axis.to_array());
     twins::Viewpoint {
         origin: view.origin.to_array(),
@@ -209,8 +209,8 @@ fn viewpoint(mesh: &PatchMesh, view: &Viewpoint) -> twins::Viewpoint {
 
 /// The mesh on the device.
 #[derive(Debug)]
-struct Geometry {
-    params: twins::HemicubeParams,
+pub(crate) struct Geometry {
+    pub(crate) params: twins::HemicubeParams,
     params_buffer: Buffer,
     vertices: Buffer,
     receivers: Buffer,
@@ -221,7 +221,7 @@ struct Geometry {
 }
 
 impl Geometry {
-    fn new(context: &Context, cpu: &Hemicube) -> Result<Self, GpuError> {
+    pub(crate) fn new(context: &Context, cpu: &Hemicube) -> Result<Self, GpuError> {
         let mesh = cpu.mesh();
         let vertices: Vec<[f32; 4]> = mesh
             .vertices()
@@ -274,7 +274,7 @@ impl Geometry {
     }
 }
 
-fn count(n: usize) -> u32 {
+pub(crate) fn count(n: usize) -> u32 {
     u32::try_from(n).expect("checked against the adapter's limits")
 }
 
@@ -334,7 +334,7 @@ fn whole_sums(cpu: &Hemicube) -> Vec<u32> {
 
 /// Pipelines and layouts, made once.
 #[derive(Debug)]
-struct HemicubePass {
+pub(crate) struct HemicubePass {
     place_layout: BindGroupLayout,
     draw_layout: BindGroupLayout,
     view_layout: BindGroupLayout,
@@ -346,7 +346,7 @@ struct HemicubePass {
 }
 
 impl HemicubePass {
-    fn new(context: &Context) -> Self {
+    pub(crate) fn new(context: &Context) -> Self {
         let device = &context.device;
         let (reads, writes) = (storage(true), storage(false));
         let place_layout = layout(
@@ -386,7 +386,13 @@ impl HemicubePass {
         }
     }
 
-    fn place(&self, encoder: &mut CommandEncoder, geometry: &Geometry, batch: &Batch, views: u32) {
+    pub(crate) fn place(
+        &self,
+        encoder: &mut CommandEncoder,
+        geometry: &Geometry,
+        batch: &Batch,
+        views: u32,
+    ) {
         let mut pass = compute_pass(encoder, "place hemicubes");
         pass.set_bind_group(0, &batch.place, &[]);
         for (pipeline, invocations) in [
@@ -399,7 +405,13 @@ impl HemicubePass {
         }
     }
 
-    fn draw(&self, encoder: &mut CommandEncoder, geometry: &Geometry, batch: &Batch, view: u32) {
+    pub(crate) fn draw(
+        &self,
+        encoder: &mut CommandEncoder,
+        geometry: &Geometry,
+        batch: &Batch,
+        view: u32,
+    ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("hemicube"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -444,7 +456,13 @@ impl HemicubePass {
         }
     }
 
-    fn sum(&self, encoder: &mut CommandEncoder, geometry: &Geometry, batch: &Batch, views: u32) {
+    pub(crate) fn sum(
+        &self,
+        encoder: &mut CommandEncoder,
+        geometry: &Geometry,
+        batch: &Batch,
+        views: u32,
+    ) {
         encoder.clear_buffer(&batch.sums, 0, None);
         let mut pass = compute_pass(encoder, "sum hemicubes");
         pass.set_pipeline(&self.sum);
@@ -455,7 +473,10 @@ impl HemicubePass {
     }
 }
 
-fn compute_pass<'a>(encoder: &'a mut CommandEncoder, label: &str) -> wgpu::ComputePass<'a> {
+pub(crate) fn compute_pass<'a>(
+    encoder: &'a mut CommandEncoder,
+    label: &str,
+) -> wgpu::ComputePass<'a> {
     encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
         label: Some(label),
         timestamp_writes: None,
@@ -504,11 +525,11 @@ fn draw_pipeline(device: &wgpu::Device, layouts: [&BindGroupLayout; 2]) -> Rende
 
 /// Memory for the hemicubes of one submission.
 #[derive(Debug)]
-struct Batch {
+pub(crate) struct Batch {
     views: u64,
     elements: usize,
-    viewpoints: Buffer,
-    sums: Buffer,
+    pub(crate) viewpoints: Buffer,
+    pub(crate) sums: Buffer,
     /// Where the CPU reads the sums.
     read: Buffer,
     items: Texture,
@@ -522,15 +543,15 @@ struct Batch {
 }
 
 impl Batch {
-    fn new(
+    /// Memory for at most `most` hemicubes at once.
+    pub(crate) fn new(
         context: &Context,
         pass: &HemicubePass,
         geometry: &Geometry,
-        cpu: &Hemicube,
+        most: u64,
     ) -> Result<Self, GpuError> {
         let (device, params) = (&context.device, geometry.params);
-        let elements = cpu.mesh().elements().len();
-        let bins = elements as u64 + 2;
+        let bins = u64::from(params.elements) + 2;
         let picture = 3 * u64::from(params.resolution).pow(2) * 4;
         let per_view = [
             16 * u64::from(params.vertices),
@@ -542,7 +563,7 @@ impl Batch {
             .iter()
             .map(|bytes| largest / bytes.max(&1))
             .chain([
-                MOST_VIEWS,
+                most,
                 (MOST_PICTURES / picture).max(1),
                 u64::from(context.limits.max_texture_array_layers),
             ])
@@ -610,7 +631,7 @@ impl Batch {
         });
         Ok(Self {
             views,
-            elements,
+            elements: params.elements as usize,
             place: bind(
                 device,
                 "place hemicubes",
@@ -735,7 +756,7 @@ fn picture_texture(
 }
 
 /// Waits for the device and reads the words of a mappable buffer.
-fn read(context: &Context, buffer: &Buffer, bytes: u64) -> Result<Vec<u32>, GpuError> {
+pub(crate) fn read(context: &Context, buffer: &Buffer, bytes: u64) -> Result<Vec<u32>, GpuError> {
     let (send, receive) = std::sync::mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
         // The receiver is there until the result has come or the device is lost.

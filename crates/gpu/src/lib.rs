@@ -12,7 +12,9 @@ mod buffer;
 mod context;
 mod error;
 mod hemicube;
+mod shooting;
 
 pub use context::{ADAPTER_VARIABLE, AdapterReport, Context, adapters};
 pub use error::GpuError;
 pub use hemicube::GpuHemicube;
+pub use shooting::GpuShooting;
