@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod hemicube;
+pub mod raycast;
 pub mod shooting;
 
 /// A shader: name and source.
@@ -34,5 +35,8 @@ pub(crate) use shader;
 
 /// All shaders.
 pub fn all() -> impl Iterator<Item = &'static Shader> {
-    hemicube::SHADERS.iter().chain(&shooting::SHADERS)
+    hemicube::SHADERS
+        .iter()
+        .chain(&shooting::SHADERS)
+        .chain(&raycast::SHADERS)
 }

@@ -1,7 +1,7 @@
 //! Every shader is valid, and the structs and constants that it shares with Rust are the same there.
 
 use core::mem::{offset_of, size_of};
-use hemicube_shaders::{Shader, all, hemicube, shooting};
+use hemicube_shaders::{Shader, all, hemicube, raycast, shooting};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 fn parsed(shader: &Shader) -> Result<naga::Module, String> {
@@ -40,6 +40,9 @@ fn twins() -> Vec<Twin> {
         twin!(hemicube::Viewpoint: origin, least_near, tangent, farthest, bitangent, padding_0, normal, padding_1),
         twin!(hemicube::HemicubeParams: receivers, vertices, elements, resolution),
         twin!(hemicube::DrawParams: viewpoint, padding_0, padding_1, padding_2),
+        twin!(raycast::RayParams: rays, parts, elements, first_ray, shift, tangent, offset, bitangent, farthest, normal, lag),
+        twin!(raycast::RayPart: corners, share, count, padding_0, padding_1),
+        twin!(raycast::RayTriangle: a, element, b, both_sides, c, padding),
         twin!(shooting::ShootingParams: elements, patches, channels, padding),
         twin!(shooting::ElementLight: area, inverse_area, padding_0, padding_1, reflectance, padding_2),
         twin!(shooting::ShootingPatch: first_element, elements, first_view, views),
@@ -84,6 +87,7 @@ fn constants_have_the_same_values_in_rust() {
         ("RECEIVER_OBSTRUCTION", hemicube::RECEIVER_OBSTRUCTION),
         ("ITEM_EMPTY", hemicube::ITEM_EMPTY),
         ("SEGMENT", hemicube::SEGMENT),
+        ("STACK", raycast::STACK),
         ("CHANNEL_WORDS", shooting::CHANNEL_WORDS),
     ];
     for (name, value) in constants {

@@ -12,9 +12,11 @@ mod buffer;
 mod context;
 mod error;
 mod hemicube;
+mod raycast;
 mod shooting;
 
 pub use context::{ADAPTER_VARIABLE, AdapterReport, Context, adapters};
 pub use error::GpuError;
 pub use hemicube::GpuHemicube;
+pub use raycast::GpuRayCast;
 pub use shooting::GpuShooting;
