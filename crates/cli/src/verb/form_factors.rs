@@ -99,8 +99,8 @@ impl Computed {
         start: Instant,
     ) -> Result<Self, Failure> {
         let factors = &args.factors;
-        let asked = mesh.scene().view_factors;
-        let of_file = match asked {
+        let asked = mesh.scene().view_factors.clone();
+        let of_file = match &asked {
             Some(_) => SurfacesBy::Object,
             None => SurfacesBy::Face,
         };
@@ -112,7 +112,7 @@ impl Computed {
                 mesh.scene().name
             )));
         }
-        let error = asked.and_then(|asked| asked.error);
+        let error = asked.as_ref().and_then(|asked| asked.error);
         let (kind, options) = (factors.kind(), factors.options(error));
         let way = kind.build(mesh.clone(), &options)?;
         let bar = Bar::new("factors", global.quiet);

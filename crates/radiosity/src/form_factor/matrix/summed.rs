@@ -42,7 +42,8 @@ impl ViewFactorMatrix {
         {
             return Ok(Self::summed_by(&mesh, rows, surfaces));
         }
-        let mut summer = Summer::new(surfaces.names().to_vec(), is_sparse);
+        let mut summer = Summer::new(surfaces.names().to_vec(), is_sparse)
+            .with_exchanges(surfaces.contact_exchanges());
         // Stable, so that patches of one surface keep their order.
         let mut patches: Vec<(usize, usize)> = (0..mesh.patches().len())
             .filter_map(|p| Some((surfaces.of_patch(p)?, p)))
@@ -74,7 +75,7 @@ impl ViewFactorMatrix {
     /// The sums of rows that are all there.
     fn summed_by(mesh: &PatchMesh, rows: DenseRows, surfaces: &Surfaces) -> Self {
         let n = mesh.patches().len();
-        if (0..n).all(|p| surfaces.of_patch(p) == Some(p)) {
+        if n == surfaces.len() && (0..n).all(|p| surfaces.of_patch(p) == Some(p)) {
             return Self {
                 entries: Entries::dense(n, rows.values),
                 areas: (0..n).map(|p| patch_area(mesh, p)).collect(),
@@ -84,7 +85,8 @@ impl ViewFactorMatrix {
                 transmitted: vec![0.0; n],
             };
         }
-        let mut summer = Summer::new(surfaces.names().to_vec(), false);
+        let mut summer = Summer::new(surfaces.names().to_vec(), false)
+            .with_exchanges(surfaces.contact_exchanges());
         let mut patches: Vec<(usize, usize)> = (0..n)
             .filter_map(|p| Some((surfaces.of_patch(p)?, p)))
             .collect();
@@ -151,6 +153,8 @@ impl ViewFactorMatrix {
 /// A matrix that grows by rows of patches, those of one surface after another.
 struct Summer {
     matrix: ViewFactorMatrix,
+    /// Exchange areas that are known beforehand: row, column, area; rows ascending.
+    exchanges: Vec<(u32, u32, f64)>,
     /// Sums of the surface at work, times area.
     sums: Vec<f64>,
     /// Columns in which it has a sum.
@@ -159,7 +163,6 @@ struct Summer {
     absorbed: f64,
     transmitted: f64,
     area: f64,
-    surface: Option<usize>,
 }
 
 impl Summer {
@@ -179,14 +182,19 @@ impl Summer {
                 absorbed: Vec::with_capacity(n),
                 transmitted: Vec::with_capacity(n),
             },
+            exchanges: Vec::new(),
             sums: vec![0.0; n],
             touched: Vec::new(),
             sky: 0.0,
             absorbed: 0.0,
             transmitted: 0.0,
             area: 0.0,
-            surface: None,
         }
+    }
+
+    /// The same with exchange that no patch tells of, over areas of its own.
+    fn with_exchanges(self, exchanges: Vec<(u32, u32, f64)>) -> Self {
+        Self { exchanges, ..self }
     }
 
     /// Adds the row of one patch; what arrives at a column of no surface counts as absorbed.
@@ -197,10 +205,9 @@ impl Summer {
         row: &Collected,
         of_column: impl Fn(usize) -> Option<usize>,
     ) {
-        if self.surface.is_some_and(|at_work| at_work != surface) {
+        while self.matrix.areas.len() < surface {
             self.push();
         }
-        self.surface = Some(surface);
         self.area += area;
         self.sky += area * row.sky;
         self.absorbed += area * row.absorbed;
@@ -211,15 +218,34 @@ impl Summer {
                 self.absorbed += exchange;
                 continue;
             };
-            if self.sums[to] == 0.0 {
-                self.touched.push(crate::index32(to));
-            }
-            self.sums[to] += exchange;
+            self.exchange(to, exchange);
+        }
+    }
+
+    fn exchange(&mut self, to: usize, exchange: f64) {
+        if self.sums[to] == 0.0 {
+            self.touched.push(crate::index32(to));
+        }
+        self.sums[to] += exchange;
+    }
+
+    /// Adds what the surface at work exchanges where it is covered, or covers.
+    fn exchange_in_contact(&mut self) {
+        let row = self.matrix.areas.len();
+        let first = self
+            .exchanges
+            .partition_point(|&(r, ..)| (r as usize) < row);
+        let end = self.exchanges.partition_point(|&(r, ..)| r as usize <= row);
+        for k in first..end {
+            let (_, column, area) = self.exchanges[k];
+            self.area += area;
+            self.exchange(column as usize, area);
         }
     }
 
     /// Ends the surface at work.
     fn push(&mut self) {
+        self.exchange_in_contact();
         self.touched.sort_unstable();
         self.touched.dedup();
         let area = self.area;
@@ -246,7 +272,7 @@ impl Summer {
     }
 
     fn finish(mut self) -> ViewFactorMatrix {
-        if self.surface.is_some() {
+        while self.matrix.areas.len() < self.matrix.names.len() {
             self.push();
         }
         self.matrix
