@@ -12,8 +12,9 @@
 //! - **N** (null surface) takes a part of its base away: that part only blocks.
 //! - **M** (mask) covers a part of its base. Mask and covered part see nothing but each other, so the part is taken away
 //!   from the geometry as by N, and a [`Mask`] tells of both: matrices by object have the whole area of the base, and
-//!   the mask as a row with the factor 1 to it, as View3D has. (Where the base lies on a base itself, View3D counts the
-//!   mask a second time, with a factor of -1 to the lower base; here its factors are 1 to its own base and 0 to the rest.)
+//!   the mask as a row with the factor 1 to it, as View3D has. (View3D 4.0 departs from its manual where
+//!   the base lies on a base itself, the mask then has a factor of -1 to the lower base, and where both surfaces of a
+//!   pair are masked, one of the masks is then looked through. Here neither happens.)
 //! - **O** only blocks ([`Material::obstruction`]); it may be the base of radiating surfaces.
 //!
 //! Instances stand in the order of the surfaces, so rows of a matrix by object have the numbers of View3D's output.
