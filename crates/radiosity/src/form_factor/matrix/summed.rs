@@ -1,8 +1,8 @@
 //! Sums over patches: matrices between faces or objects.
 
 use super::{
-    CHUNK, Collected, Entries, MatrixOptions, SAMPLED_ROWS, SPARSE_BELOW, Storage,
-    ViewFactorMatrix, collect, patch_area, ratio, to_bytes, to_f32,
+    CHUNK, Collected, Entries, MatrixOptions, MatrixPlan, ViewFactorMatrix, collect, patch_area,
+    ratio, to_f32,
 };
 use crate::error::RadiosityError;
 use crate::form_factor::matrix::DenseRows;
@@ -11,9 +11,6 @@ use crate::form_factor::{FormFactors, Row};
 use crate::patch::PatchMesh;
 use crate::stop::Stop;
 use rayon::prelude::*;
-
-/// Dense matrices up to this size are not worth a look at how many of their entries are zero, in bytes.
-const SMALL: usize = 16 << 20;
 
 impl ViewFactorMatrix {
     /// The factors between surfaces, each the sum over its patches: `F_IJ = Σ_i A_i Σ_j F_ij / A_I`; shares of sky,
@@ -24,7 +21,7 @@ impl ViewFactorMatrix {
     /// once for each row; after it has said so, the rest stays empty.
     ///
     /// # Errors
-    /// More memory than the options allow, told before the rows are computed (by a sample of them, if sparse).
+    /// As [`Self::build`].
     pub fn build_by(
         factors: &dyn FormFactors,
         surfaces: &Surfaces,
@@ -32,17 +29,16 @@ impl ViewFactorMatrix {
         stop: Stop<'_>,
     ) -> Result<Self, RadiosityError> {
         let mesh = factors.mesh().clone();
-        let n = surfaces.len();
-        let is_sparse = choose_storage(factors, surfaces, options)?;
+        let plan = MatrixPlan::of_surfaces(factors, surfaces, options)?;
         let patches = mesh.patches().len();
         let fits = patches.saturating_mul(patches).saturating_mul(4) <= options.memory_limit;
-        if !is_sparse
+        if !plan.is_sparse
             && fits
             && let Some(rows) = factors.dense_rows(stop)
         {
             return Ok(Self::summed_by(&mesh, rows, surfaces));
         }
-        let mut summer = Summer::new(surfaces.names().to_vec(), is_sparse)
+        let mut summer = Summer::new(surfaces.names().to_vec(), plan.is_sparse)
             .with_exchanges(surfaces.contact_exchanges());
         // Stable, so that patches of one surface keep their order.
         let mut patches: Vec<(usize, usize)> = (0..mesh.patches().len())
@@ -64,10 +60,7 @@ impl ViewFactorMatrix {
                 let of = |patch| surfaces.of_patch(patch);
                 summer.add(surface, patch_area(&mesh, p), row, of);
             }
-            let bytes = summer.matrix.entries.bytes();
-            if bytes > options.memory_limit {
-                return Err(too_large(n, bytes, options.memory_limit));
-            }
+            plan.refuse(summer.matrix.entries.bytes())?;
         }
         Ok(summer.finish())
     }
@@ -307,68 +300,4 @@ fn mean_row(factors: &dyn FormFactors, patch: usize, row: &mut Row) -> Collected
         absorbed: mean(|band| band.absorbed),
         transmitted: mean(|band| band.transmitted),
     }
-}
-
-/// Whether the matrix is to be sparse; refuses what would not fit.
-fn choose_storage(
-    factors: &dyn FormFactors,
-    surfaces: &Surfaces,
-    options: MatrixOptions,
-) -> Result<bool, RadiosityError> {
-    let n = surfaces.len();
-    let dense = n.saturating_mul(n).saturating_mul(4);
-    let limit = options.memory_limit;
-    if options.storage == Storage::Dense
-        || (options.storage == Storage::Auto && dense <= SMALL.min(limit))
-    {
-        return if dense > limit {
-            Err(too_large(n, dense, limit))
-        } else {
-            Ok(false)
-        };
-    }
-    let share = sampled_share(factors, surfaces);
-    let is_sparse = options.storage == Storage::Sparse || share < SPARSE_BELOW;
-    // A sparse entry takes a column besides its value.
-    let needed = if is_sparse {
-        to_bytes(2.0 * dense as f64 * share)
-    } else {
-        dense
-    };
-    if needed > limit {
-        return Err(too_large(n, needed, limit));
-    }
-    Ok(is_sparse)
-}
-
-/// Share of entries that are not zero in the rows of some patches, evenly picked.
-fn sampled_share(factors: &dyn FormFactors, surfaces: &Surfaces) -> f64 {
-    let patches = factors.mesh().patches().len();
-    let rows = patches.min(SAMPLED_ROWS);
-    let counts: Vec<usize> = (0..rows)
-        .into_par_iter()
-        .map_init(Row::default, |row, k| {
-            let row = mean_row(factors, k * patches / rows, row);
-            let columns = row.entries.iter();
-            let mut to: Vec<usize> = columns
-                .filter_map(|&(j, _)| surfaces.of_patch(j as usize))
-                .collect();
-            to.sort_unstable();
-            to.dedup();
-            to.len()
-        })
-        .collect();
-    ratio(
-        counts.iter().sum::<usize>() as f64,
-        (rows * surfaces.len()) as f64,
-    )
-}
-
-fn too_large(n: usize, bytes: usize, limit: usize) -> RadiosityError {
-    RadiosityError::Option(format!(
-        "the {n} x {n} form factors take about {} MiB, {} MiB are free for them; sum them over objects, or leave \
-         faces out",
-        (bytes >> 20) + 1,
-        limit >> 20
-    ))
 }
