@@ -2,13 +2,14 @@
 
 use crate::error::RadiosityError;
 use crate::form_factor::hemicube::HemicubeOptions;
+use crate::form_factor::matrix::MatrixPlan;
 use crate::form_factor::{
     AnalyticOptions, Cached, FormFactorKind, FormFactorOptions, FormFactors, MatrixOptions,
     NusseltOptions, RayCastOptions,
 };
 use crate::patch::{PatchMesh, PatchOptions};
 use crate::primary::primary_irradiance_until;
-use crate::solution::{Grouping, Provenance, Solution};
+use crate::solution::{BANDS, Grouping, Provenance, Solution};
 use crate::solve::{
     MatrixSolverKind, NotStarted, OnMatrix, Order, Progress, Shooting, Solver, run,
 };
@@ -202,6 +203,38 @@ impl SolveOptions {
         Ok(())
     }
 
+    /// Refuses a solver whose matrix would not fit: known before any light falls.
+    ///
+    /// # Errors
+    /// What it would take, what is allowed, how many patches fit.
+    pub fn refuse_large_matrix(&self, mesh: &Arc<PatchMesh>) -> Result<(), RadiosityError> {
+        let Way::OnMatrix(kind) = self.solver.way() else {
+            return Ok(());
+        };
+        let n = mesh.patches().len();
+        let channels = groups_of(mesh, self.grouping) * BANDS;
+        let dense = n.saturating_mul(n).saturating_mul(4 * BANDS);
+        if kind
+            .refuse_memory(n, dense, channels, self.memory_limit)
+            .is_ok()
+        {
+            // Even if all entries are kept, for each band.
+            return Ok(());
+        }
+        let factors = self
+            .form_factors
+            .build(mesh.clone(), &self.form_factor_options())?;
+        let plan = MatrixPlan::new(&*factors, self.matrix_options())?;
+        kind.refuse_memory(n, plan.bytes(), channels, self.memory_limit)
+    }
+
+    fn matrix_options(&self) -> MatrixOptions {
+        MatrixOptions {
+            memory_limit: self.memory_limit,
+            ..MatrixOptions::default()
+        }
+    }
+
     /// What the ways to form factors are told.
     pub fn form_factor_options(&self) -> FormFactorOptions {
         FormFactorOptions {
@@ -266,6 +299,7 @@ pub fn unlit(
     let mesh = Arc::new(PatchMesh::build_until(scene, options.mesh, stop)?);
     refuse_endless_light(&mesh)?;
     refuse_too_many_channels(&mesh, options.grouping)?;
+    options.refuse_large_matrix(&mesh)?;
     let primary = primary_irradiance_until(&mesh, options.rays, options.seed, stop)?;
     let mut solution = Solution::new(mesh, &primary, options.grouping);
     solution.provenance.seconds = start.elapsed().as_secs_f64();
@@ -317,10 +351,7 @@ pub fn resume_until(
         Way::OnMatrix(kind) => {
             // Rows are asked for again at the end of each sweep.
             let factors = Cached::new(factors, ROW_BUDGET.max(options.memory_limit / 4));
-            let matrix = MatrixOptions {
-                memory_limit: options.memory_limit,
-                ..MatrixOptions::default()
-            };
+            let matrix = options.matrix_options();
             let solution = match OnMatrix::new_until(&factors, solution, kind, matrix, stop) {
                 Ok(solver) => finished(solver, options.tolerance, go_on),
                 Err(NotStarted::Stopped(solution)) => *solution,
@@ -354,12 +385,7 @@ fn finished(
 /// Refuses more values than memory holds: each group takes nine numbers an element.
 fn refuse_too_many_channels(mesh: &PatchMesh, grouping: Grouping) -> Result<(), RadiosityError> {
     const MOST: usize = 200_000_000;
-    let emitting = mesh.scene().materials.iter().filter(|m| m.emits()).count();
-    let groups = if grouping == Grouping::ByMaterial {
-        emitting + 1
-    } else {
-        1
-    };
+    let groups = groups_of(mesh, grouping);
     let values = groups.saturating_mul(mesh.elements().len());
     if values > MOST {
         let elements = mesh.elements().len();
@@ -369,6 +395,17 @@ fn refuse_too_many_channels(mesh: &PatchMesh, grouping: Grouping) -> Result<(), 
         return Err(RadiosityError::Option(message));
     }
     Ok(())
+}
+
+/// Light groups that a solution has, or more.
+fn groups_of(mesh: &PatchMesh, grouping: Grouping) -> usize {
+    match grouping {
+        Grouping::Together => 1,
+        Grouping::ByMaterial => {
+            let emitting = mesh.scene().materials.iter().filter(|m| m.emits());
+            emitting.count() + 1
+        }
+    }
 }
 
 /// Refuses scenes in which nothing absorbs and nothing escapes.

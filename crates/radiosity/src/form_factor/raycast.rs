@@ -130,6 +130,11 @@ impl RayCast {
         f64::from(self.options.rays) * brightness * area / self.mean_element_area
     }
 
+    /// Rays that a shot of this patch does take.
+    fn rays_of_shot(&self, source: NodeId) -> u32 {
+        ray_count(self.shot_rays(source), MIN_SHOT_RAYS, MAX_SHOT_RAYS)
+    }
+
     fn takes_pairs(&self, source: NodeId) -> bool {
         match self.options.strategy {
             Strategy::Pairs => true,
@@ -354,6 +359,14 @@ impl FormFactors for RayCast {
         } else {
             self.shots(source, row);
         }
+    }
+
+    fn most_receivers(&self, source: NodeId) -> usize {
+        if self.takes_pairs(source) {
+            return usize::MAX;
+        }
+        // A ray arrives at each pane that it passes; few pass more than one or two.
+        self.rays_of_shot(source) as usize * 2
     }
 
     fn rays(&self) -> u64 {
