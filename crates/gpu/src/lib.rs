@@ -8,6 +8,7 @@
 //! factors go on with the CPU when it is lost.
 #![forbid(unsafe_code)]
 
+mod backend;
 mod buffer;
 mod context;
 mod error;
@@ -15,6 +16,7 @@ mod hemicube;
 mod raycast;
 mod shooting;
 
+pub use backend::Gpu;
 pub use context::{ADAPTER_VARIABLE, AdapterReport, Context, adapters};
 pub use error::GpuError;
 pub use hemicube::GpuHemicube;

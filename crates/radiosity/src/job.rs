@@ -1,5 +1,6 @@
 //! A whole solution in one call: scene in, light out.
 
+use crate::backend::{Backend, Cpu, Shooter};
 use crate::error::RadiosityError;
 use crate::form_factor::hemicube::HemicubeOptions;
 use crate::form_factor::matrix::MatrixPlan;
@@ -323,8 +324,22 @@ pub fn resume(
 /// # Errors
 /// As [`resume`].
 pub fn resume_until(
+    solution: Solution,
+    options: &SolveOptions,
+    stop: Stop<'_>,
+    go_on: impl FnMut(&Progress, &Solution) -> bool,
+) -> Result<Solution, RadiosityError> {
+    resume_on(solution, options, &Cpu, stop, go_on)
+}
+
+/// As [`resume_until`], with form factors and perhaps the solver from elsewhere.
+///
+/// # Errors
+/// As [`resume`], and what the backend cannot do.
+pub fn resume_on(
     mut solution: Solution,
     options: &SolveOptions,
+    backend: &dyn Backend,
     stop: Stop<'_>,
     mut go_on: impl FnMut(&Progress, &Solution) -> bool,
 ) -> Result<Solution, RadiosityError> {
@@ -332,26 +347,49 @@ pub fn resume_until(
     options.check()?;
     let before = solution.provenance.clone();
     solution.provenance.solver = options.solver.name().into();
-    let factors = options
-        .form_factors
-        .build(solution.mesh().clone(), &options.form_factor_options())?;
     let most = options
         .max_steps
         .map(|steps| before.steps.saturating_add(steps));
-    let go_on = |progress: &Progress, solution: &Solution| {
+    let mut name = backend.name(options);
+    let mut go_on = |progress: &Progress, solution: &Solution| {
         // It is told every state, also one at which a limit ends the work.
         go_on(progress, solution) && most.is_none_or(|most| progress.iteration < most) && !stop()
     };
     let (mut solution, rays) = match options.solver.way() {
-        Way::Shooting(order) => {
-            let factors = Cached::new(factors, ROW_BUDGET);
-            let solver = Shooting::new(&factors, solution, order);
-            (finished(solver, options.tolerance, go_on), factors.rays())
-        }
+        Way::Shooting(order) => match backend.shooting(solution, options, order)? {
+            Shooter::Own(mut solver) => {
+                run(&mut *solver, options.tolerance, &mut go_on);
+                solver.settle();
+                let solution = solver.solution().clone();
+                let is_finished =
+                    !solver.is_exhausted() || solver.progress().unshot <= options.tolerance;
+                if is_finished {
+                    (solution, 0)
+                } else {
+                    // The device is gone; the light that it brought here is not.
+                    name += ", then hemicube";
+                    let hemicubes = FormFactorKind::Hemicube;
+                    let factors =
+                        hemicubes.build(solution.mesh().clone(), &options.form_factor_options())?;
+                    let solver = Shooting::new(&factors, solution, order);
+                    (finished(solver, options.tolerance, &mut go_on), 0)
+                }
+            }
+            Shooter::None(solution) => {
+                let factors = backend.form_factors(solution.mesh().clone(), options)?;
+                let factors = Cached::new(factors, ROW_BUDGET);
+                let solver = Shooting::new(&factors, *solution, order);
+                (finished(solver, options.tolerance, go_on), factors.rays())
+            }
+        },
         Way::OnMatrix(kind) => {
+            let factors = backend.form_factors(solution.mesh().clone(), options)?;
             // Rows are asked for again at the end of each sweep.
             let factors = Cached::new(factors, ROW_BUDGET.max(options.memory_limit / 4));
-            let matrix = options.matrix_options();
+            let matrix = MatrixOptions {
+                memory_limit: options.memory_limit,
+                ..MatrixOptions::default()
+            };
             let solution = match OnMatrix::new_until(&factors, solution, kind, matrix, stop) {
                 Ok(solver) => finished(solver, options.tolerance, go_on),
                 Err(NotStarted::Stopped(solution)) => *solution,
@@ -361,7 +399,7 @@ pub fn resume_until(
         }
     };
     solution.provenance = Provenance {
-        form_factors: options.form_factors.name().into(),
+        form_factors: name,
         rays_per_hemisphere: options.rays,
         hemicube_resolution: options.hemicube.resolution,
         seed: options.seed,

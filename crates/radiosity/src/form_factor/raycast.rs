@@ -129,12 +129,6 @@ impl RayCast {
         let area = f64::from(self.mesh.node(source).area);
         f64::from(self.options.rays) * brightness * area / self.mean_element_area
     }
-
-    /// Rays that a shot of this patch does take.
-    fn rays_of_shot(&self, source: NodeId) -> u32 {
-        ray_count(self.shot_rays(source), MIN_SHOT_RAYS, MAX_SHOT_RAYS)
-    }
-
     fn takes_pairs(&self, source: NodeId) -> bool {
         match self.options.strategy {
             Strategy::Pairs => true,
