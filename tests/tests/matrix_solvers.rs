@@ -3,9 +3,10 @@
 use hemicube::radiosity::form_factor::{Cached, MatrixOptions, Storage, ViewFactorMatrix};
 use hemicube::radiosity::solve::system::{Channel, MatrixMethod, System};
 use hemicube::radiosity::solve::{Gauss, MatrixRun, MatrixSolverKind, OnMatrix, run, solve_matrix};
+use hemicube::radiosity::stop::NEVER;
 use hemicube::radiosity::{
     FormFactors, Order, PatchMesh, PatchOptions, RayCast, RayCastOptions, Shooting, Solution,
-    Solver,
+    SolveOptions, Solver, SolverKind, unlit,
 };
 use hemicube::raster::Rgb;
 use hemicube::scene::{Scene, builtin};
@@ -572,9 +573,42 @@ fn too_much_memory_is_refused_before_the_work() {
     let Err(error) = OnMatrix::new(&factors, start, MatrixSolverKind::Gauss, options) else {
         panic!("elimination needs more than the factors");
     };
+    let message = error.to_string();
+    assert!(message.contains("solver gauss"), "it says who: {message}");
+    assert!(message.contains("or gauss-seidel"), "what fits: {message}");
+    let start = emitters_only(factors.mesh());
+    let advised = OnMatrix::new(&factors, start, MatrixSolverKind::GaussSeidel, options);
+    assert!(advised.is_ok(), "what is advised does fit");
+    let smaller = MatrixOptions {
+        memory_limit: 4 * n * n - 1,
+        ..options
+    };
+    let start = emitters_only(factors.mesh());
+    let Err(error) = OnMatrix::new(&factors, start, MatrixSolverKind::Gauss, smaller) else {
+        panic!("not even the factors fit");
+    };
+    let message = error.to_string();
     assert!(
-        error.to_string().contains("solver gauss"),
-        "it says who: {error}"
+        message.contains("a solver that shoots") && !message.contains("gauss-seidel"),
+        "what would be refused next is no advice: {message}"
+    );
+}
+
+/// The sky's light would take a ray for each of 256 from each element.
+#[test]
+fn a_solver_that_does_not_fit_is_refused_before_light_falls() {
+    let mut scene = builtin::scene("cornell").expect("it is built in");
+    scene.sky = Rgb::WHITE;
+    let options = SolveOptions {
+        solver: SolverKind::GaussSeidel,
+        memory_limit: 1000,
+        ..SolveOptions::default()
+    };
+    let error = unlit(Arc::new(scene), &options, NEVER).expect_err("nothing fits");
+    let message = error.to_string();
+    assert!(
+        message.contains("MiB are allowed") && message.contains("pairs that were tried"),
+        "numbers, and where from: {message}"
     );
 }
 

@@ -4,7 +4,7 @@ use glam::Vec3;
 use hemicube::radiosity::export::view_factors::{View3dFacts, csv, matrix_market, npy, view3d};
 use hemicube::radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
 use hemicube::radiosity::form_factor::{
-    MatrixOptions, Storage, Surfaces, SurfacesBy, ViewFactorMatrix,
+    Analytic, AnalyticOptions, MatrixOptions, Storage, Surfaces, SurfacesBy, ViewFactorMatrix,
 };
 use hemicube::radiosity::stop::NEVER;
 use hemicube::radiosity::{FormFactors, PatchMesh, PatchOptions, RayCast, RayCastOptions};
@@ -261,6 +261,132 @@ fn what_is_buried_has_no_row() {
         (matrix.sky()[0] - 1.0).abs() < 1e-6,
         "the outside of a cube sees the sky"
     );
+}
+
+/// Two unit squares at a distance of 1 that face each other; half of the lower one is covered by a mask.
+const MASKED: &str = "\
+F 3
+V 1 0 0 0\nV 2 1 0 0\nV 3 1 1 0\nV 4 0 1 0
+V 5 0 0 1\nV 6 1 0 1\nV 7 1 1 1\nV 8 0 1 1
+V 9 .5 0 0\nV 10 .5 1 0
+S 1  1 2 3 4   0 0 0.9 lower
+M 2  4 10 9 1  1 0 0.3 mask
+S 3  8 7 6 5   0 0 0.5 upper
+E
+";
+
+fn vs3(text: &str) -> Arc<PatchMesh> {
+    let scene = open_bytes(text.as_bytes(), "test.vs3", None).expect("the file is good");
+    assert!(scene.report.warnings.is_empty(), "all of it is read");
+    mesh_of(scene, PatchOptions::whole_faces())
+}
+
+/// What View3D prints: the area of the base with the covered half, the mask as a row that sees its base alone.
+/// By symmetry each half of the lower square gets half of the factor between unit squares at a distance of 1.
+#[test]
+fn masks_and_their_bases_are_as_view3d_has_them() {
+    const PARALLEL: f64 = 0.199_824_895_7;
+    let mesh = vs3(MASKED);
+    let surfaces = Surfaces::new(&mesh, SurfacesBy::Object);
+    assert_eq!(
+        surfaces.names(),
+        ["lower", "mask", "upper"],
+        "the order of the file"
+    );
+    assert!(surfaces.buried().is_empty(), "each has a row");
+    let half = PARALLEL / 2.0;
+    let expected = [[0.0, 0.5, half], [1.0, 0.0, 0.0], [half, 0.0, 0.0]];
+    let ways: [(&dyn FormFactors, f64); 3] = [
+        (
+            &Analytic::new(mesh.clone(), AnalyticOptions::default()).expect("good"),
+            1e-6,
+        ),
+        // Cells of 1/256, and the mean over a face of which the centre alone is looked from, are percents off.
+        (
+            &Hemicube::new(mesh.clone(), HemicubeOptions::default()).expect("good"),
+            0.1,
+        ),
+        // 5 standard deviations of some 256 rays.
+        (&rays(&mesh), 0.1),
+    ];
+    for ((way, error), storage) in ways
+        .into_iter()
+        .flat_map(|way| [Storage::Dense, Storage::Sparse].map(|storage| (way, storage)))
+    {
+        let matrix = ViewFactorMatrix::build_by(way, &surfaces, stored(storage), NEVER);
+        let matrix = matrix.expect("it fits");
+        assert_eq!(matrix.names(), surfaces.names(), "rows have names");
+        for (area, expected) in matrix.areas().iter().zip([1.0, 0.5, 1.0]) {
+            assert!(
+                (area - expected).abs() < 1e-6,
+                "areas with what is covered: {area}"
+            );
+        }
+        for (i, row) in expected.iter().enumerate() {
+            for (j, expected) in row.iter().enumerate() {
+                let got = f64::from(matrix.get(i, j));
+                assert!(
+                    (got - expected).abs() < error,
+                    "({i}, {j}) is {got}, not {expected}"
+                );
+            }
+        }
+        assert_eq!(
+            matrix.get(1, 0),
+            1.0,
+            "the mask sees its base, whatever the way"
+        );
+        assert!(
+            (matrix.get(0, 1) - 0.5).abs() < 1e-6,
+            "and the base the mask"
+        );
+        assert!(matrix.closure_error() < 1e-5, "rows sum to 1");
+    }
+    for (got, expected) in surfaces.emissivities(&mesh).iter().zip([0.9, 0.3, 0.5]) {
+        assert!(
+            (got - expected).abs() < 1e-6,
+            "emissivity {got}, not {expected}"
+        );
+    }
+}
+
+#[test]
+fn between_faces_the_covered_part_is_one_of_its_own() {
+    let mesh = vs3(MASKED);
+    let matrix = between(&rays(&mesh), SurfacesBy::Face, Storage::Auto);
+    let names = ["lower", "upper", "mask", "lower under mask"];
+    assert_eq!(matrix.names(), names, "masks come last");
+    assert_eq!(
+        [matrix.get(2, 3), matrix.get(3, 2)],
+        [1.0; 2],
+        "they see each other alone"
+    );
+    assert_eq!(matrix.areas()[3], 0.5, "the covered part");
+    assert!((matrix.areas()[0] - 0.5).abs() < 1e-6, "what is left");
+}
+
+/// All of the wall is covered, by a mask and, in part, by a null surface that is no row.
+#[test]
+fn a_surface_that_is_masked_all_over_sees_its_masks_alone() {
+    let null = MASKED.replace("S 3 ", "N 3  10 3 2 9  1 0 0.5 null\nS 4 ");
+    let mesh = vs3(&null);
+    let matrix = between(&rays(&mesh), SurfacesBy::Object, Storage::Auto);
+    assert_eq!(
+        matrix.names(),
+        ["lower", "mask", "upper"],
+        "null surfaces are no rows"
+    );
+    assert_eq!(
+        matrix.areas()[0],
+        0.5,
+        "the null surface takes its area away"
+    );
+    assert_eq!(
+        [matrix.get(0, 1), matrix.get(1, 0)],
+        [1.0; 2],
+        "they see each other alone"
+    );
+    assert_eq!(matrix.sky()[0], 0.0, "and nothing else");
 }
 
 /// A table as RFC 4180 has it.

@@ -268,6 +268,9 @@ pub fn peak_memory() -> Option<u64> {
     Some(kilobytes * 1024)
 }
 
+/// Tenths of the free memory that matrices may take.
+pub const SHARE_OF_MEMORY: u64 = 8;
+
 /// Memory that programs may still take without others being written out, in bytes, where the system tells.
 pub fn free_memory() -> Option<u64> {
     let facts = fs::read_to_string("/proc/meminfo").ok()?;

@@ -1,14 +1,16 @@
 //! A whole solution in one call: scene in, light out.
 
+use crate::backend::{Backend, Cpu, Shooter};
 use crate::error::RadiosityError;
 use crate::form_factor::hemicube::HemicubeOptions;
+use crate::form_factor::matrix::MatrixPlan;
 use crate::form_factor::{
     AnalyticOptions, Cached, FormFactorKind, FormFactorOptions, FormFactors, MatrixOptions,
     NusseltOptions, RayCastOptions,
 };
 use crate::patch::{PatchMesh, PatchOptions};
 use crate::primary::primary_irradiance_until;
-use crate::solution::{Grouping, Provenance, Solution};
+use crate::solution::{BANDS, Grouping, Provenance, Solution};
 use crate::solve::{
     MatrixSolverKind, NotStarted, OnMatrix, Order, Progress, Shooting, Solver, run,
 };
@@ -202,6 +204,38 @@ impl SolveOptions {
         Ok(())
     }
 
+    /// Refuses a solver whose matrix would not fit: known before any light falls.
+    ///
+    /// # Errors
+    /// What it would take, what is allowed, how many patches fit.
+    pub fn refuse_large_matrix(&self, mesh: &Arc<PatchMesh>) -> Result<(), RadiosityError> {
+        let Way::OnMatrix(kind) = self.solver.way() else {
+            return Ok(());
+        };
+        let n = mesh.patches().len();
+        let channels = groups_of(mesh, self.grouping) * BANDS;
+        let dense = n.saturating_mul(n).saturating_mul(4 * BANDS);
+        if kind
+            .refuse_memory(n, dense, channels, self.memory_limit)
+            .is_ok()
+        {
+            // Even if all entries are kept, for each band.
+            return Ok(());
+        }
+        let factors = self
+            .form_factors
+            .build(mesh.clone(), &self.form_factor_options())?;
+        let plan = MatrixPlan::new(&*factors, self.matrix_options())?;
+        kind.refuse_memory(n, plan.bytes(), channels, self.memory_limit)
+    }
+
+    fn matrix_options(&self) -> MatrixOptions {
+        MatrixOptions {
+            memory_limit: self.memory_limit,
+            ..MatrixOptions::default()
+        }
+    }
+
     /// What the ways to form factors are told.
     pub fn form_factor_options(&self) -> FormFactorOptions {
         FormFactorOptions {
@@ -266,6 +300,7 @@ pub fn unlit(
     let mesh = Arc::new(PatchMesh::build_until(scene, options.mesh, stop)?);
     refuse_endless_light(&mesh)?;
     refuse_too_many_channels(&mesh, options.grouping)?;
+    options.refuse_large_matrix(&mesh)?;
     let primary = primary_irradiance_until(&mesh, options.rays, options.seed, stop)?;
     let mut solution = Solution::new(mesh, &primary, options.grouping);
     solution.provenance.seconds = start.elapsed().as_secs_f64();
@@ -289,8 +324,22 @@ pub fn resume(
 /// # Errors
 /// As [`resume`].
 pub fn resume_until(
+    solution: Solution,
+    options: &SolveOptions,
+    stop: Stop<'_>,
+    go_on: impl FnMut(&Progress, &Solution) -> bool,
+) -> Result<Solution, RadiosityError> {
+    resume_on(solution, options, &Cpu, stop, go_on)
+}
+
+/// As [`resume_until`], with form factors and perhaps the solver from elsewhere.
+///
+/// # Errors
+/// As [`resume`], and what the backend cannot do.
+pub fn resume_on(
     mut solution: Solution,
     options: &SolveOptions,
+    backend: &dyn Backend,
     stop: Stop<'_>,
     mut go_on: impl FnMut(&Progress, &Solution) -> bool,
 ) -> Result<Solution, RadiosityError> {
@@ -298,23 +347,43 @@ pub fn resume_until(
     options.check()?;
     let before = solution.provenance.clone();
     solution.provenance.solver = options.solver.name().into();
-    let factors = options
-        .form_factors
-        .build(solution.mesh().clone(), &options.form_factor_options())?;
     let most = options
         .max_steps
         .map(|steps| before.steps.saturating_add(steps));
-    let go_on = |progress: &Progress, solution: &Solution| {
+    let mut name = backend.name(options);
+    let mut go_on = |progress: &Progress, solution: &Solution| {
         // It is told every state, also one at which a limit ends the work.
         go_on(progress, solution) && most.is_none_or(|most| progress.iteration < most) && !stop()
     };
     let (mut solution, rays) = match options.solver.way() {
-        Way::Shooting(order) => {
-            let factors = Cached::new(factors, ROW_BUDGET);
-            let solver = Shooting::new(&factors, solution, order);
-            (finished(solver, options.tolerance, go_on), factors.rays())
-        }
+        Way::Shooting(order) => match backend.shooting(solution, options, order)? {
+            Shooter::Own(mut solver) => {
+                run(&mut *solver, options.tolerance, &mut go_on);
+                solver.settle();
+                let solution = solver.solution().clone();
+                let is_finished =
+                    !solver.is_exhausted() || solver.progress().unshot <= options.tolerance;
+                if is_finished {
+                    (solution, 0)
+                } else {
+                    // The device is gone; the light that it brought here is not.
+                    name += ", then hemicube";
+                    let hemicubes = FormFactorKind::Hemicube;
+                    let factors =
+                        hemicubes.build(solution.mesh().clone(), &options.form_factor_options())?;
+                    let solver = Shooting::new(&factors, solution, order);
+                    (finished(solver, options.tolerance, &mut go_on), 0)
+                }
+            }
+            Shooter::None(solution) => {
+                let factors = backend.form_factors(solution.mesh().clone(), options)?;
+                let factors = Cached::new(factors, ROW_BUDGET);
+                let solver = Shooting::new(&factors, *solution, order);
+                (finished(solver, options.tolerance, go_on), factors.rays())
+            }
+        },
         Way::OnMatrix(kind) => {
+            let factors = backend.form_factors(solution.mesh().clone(), options)?;
             // Rows are asked for again at the end of each sweep.
             let factors = Cached::new(factors, ROW_BUDGET.max(options.memory_limit / 4));
             let matrix = MatrixOptions {
@@ -330,7 +399,7 @@ pub fn resume_until(
         }
     };
     solution.provenance = Provenance {
-        form_factors: options.form_factors.name().into(),
+        form_factors: name,
         rays_per_hemisphere: options.rays,
         hemicube_resolution: options.hemicube.resolution,
         seed: options.seed,
@@ -354,12 +423,7 @@ fn finished(
 /// Refuses more values than memory holds: each group takes nine numbers an element.
 fn refuse_too_many_channels(mesh: &PatchMesh, grouping: Grouping) -> Result<(), RadiosityError> {
     const MOST: usize = 200_000_000;
-    let emitting = mesh.scene().materials.iter().filter(|m| m.emits()).count();
-    let groups = if grouping == Grouping::ByMaterial {
-        emitting + 1
-    } else {
-        1
-    };
+    let groups = groups_of(mesh, grouping);
     let values = groups.saturating_mul(mesh.elements().len());
     if values > MOST {
         let elements = mesh.elements().len();
@@ -369,6 +433,17 @@ fn refuse_too_many_channels(mesh: &PatchMesh, grouping: Grouping) -> Result<(), 
         return Err(RadiosityError::Option(message));
     }
     Ok(())
+}
+
+/// Light groups that a solution has, or more.
+fn groups_of(mesh: &PatchMesh, grouping: Grouping) -> usize {
+    match grouping {
+        Grouping::Together => 1,
+        Grouping::ByMaterial => {
+            let emitting = mesh.scene().materials.iter().filter(|m| m.emits());
+            emitting.count() + 1
+        }
+    }
 }
 
 /// Refuses scenes in which nothing absorbs and nothing escapes.

@@ -28,6 +28,7 @@
 //! Functions behind the doors ([`solve()`], [`PatchMesh::build`]) panic only on indices that are not of the mesh.
 #![forbid(unsafe_code)]
 
+pub mod backend;
 mod band_sum;
 pub mod compare;
 pub mod drawn;

@@ -203,6 +203,44 @@ impl Solution {
         (&mut self.irradiance, &mut self.unshot, &mut self.balance)
     }
 
+    /// Takes over the light of a solver that keeps it elsewhere: irradiance and unshot radiosity, `[group][band][element]`,
+    /// and the flux that backs absorbed and that escaped meanwhile, by channel.
+    ///
+    /// What elements absorbed follows from their irradiance, panes excluded.
+    ///
+    /// # Panics
+    /// The arrays do not have the solution's sizes.
+    pub fn replace_light(
+        &mut self,
+        irradiance: &[f32],
+        unshot: &[f32],
+        backs: &[f64],
+        escaped: &[f64],
+    ) {
+        let elements = self.mesh.elements().len();
+        let channels = self.groups.len() * BANDS;
+        assert!(
+            irradiance.len() == self.irradiance.len()
+                && unshot.len() == self.unshot.len()
+                && [backs.len(), escaped.len()] == [channels; 2],
+            "light of {channels} channels and {elements} elements"
+        );
+        for channel in 0..channels {
+            let (group, band) = (channel / BANDS, channel % BANDS);
+            let range = channel * elements..(channel + 1) * elements;
+            let gained = |(i, e): (usize, usize)| {
+                let kept = 1.0 - f64::from(self.mesh.reflectance()[e][band]);
+                kept * self.area(e) * (f64::from(irradiance[i]) - f64::from(self.irradiance[i]))
+            };
+            let absorbed: f64 = range.zip(0..elements).map(gained).sum();
+            let balance = &mut self.balance[group][band];
+            balance.absorbed += absorbed + backs[channel];
+            balance.escaped += escaped[channel];
+        }
+        self.irradiance.copy_from_slice(irradiance);
+        self.unshot.copy_from_slice(unshot);
+    }
+
     fn sum_over_groups(&self, values: &[f32], element: usize) -> Rgb {
         let n = self.mesh.elements().len();
         let of_group = |(g, group): (usize, &LightGroup)| {

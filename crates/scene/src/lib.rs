@@ -34,6 +34,6 @@ pub use mesh::{Face, Instance, Mesh};
 pub use open::{open, open_bytes, open_path};
 pub use options::{MetalsAs, SceneOptions};
 pub use report::{ImportReport, Warning};
-pub use scene::{Scene, Units, ViewFactorRequest};
+pub use scene::{Mask, Scene, Units, ViewFactorRequest};
 pub use surface::SurfaceSample;
 pub use texture::{Texture, TextureImage, Wrap};

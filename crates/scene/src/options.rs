@@ -422,8 +422,12 @@ impl Scene {
         for instance in &mut self.instances {
             instance.flipped ^= flip.iter().any(|glob| glob.matches(&instance.node));
         }
-        self.instances
-            .retain(|instance| !hide.iter().any(|glob| glob.matches(&instance.node)));
+        let is_hidden = |node: &str| hide.iter().any(|glob| glob.matches(node));
+        self.instances.retain(|instance| !is_hidden(&instance.node));
+        if let Some(asked) = &mut self.view_factors {
+            // A cover without its base covers nothing.
+            asked.masks.retain(|mask| !is_hidden(&mask.base));
+        }
     }
 
     /// Scales and turns everything that has a place.

@@ -48,12 +48,32 @@ pub struct Scene {
 }
 
 /// What a file that was made for view factors asks of them. Its instances are the surfaces between which they are meant.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ViewFactorRequest {
     /// Whether the surfaces are said to enclose a space, so that factors may be corrected until rows sum to 1.
     pub enclosure: bool,
     /// Error at which integration may stop, as a share of the smaller surface.
     pub error: Option<f64>,
+    /// Covers that lie on a surface and face it.
+    #[serde(default)]
+    pub masks: Vec<Mask>,
+    /// Names of the rows in their order, masks among them; empty if the order of the instances is that of the rows.
+    #[serde(default)]
+    pub rows: Vec<String>,
+}
+
+/// A cover that lies on a surface and faces it: all that leaves it arrives at the part of its base that it covers, and
+/// all that leaves that part arrives at it.
+///
+/// The covered part is no face of the scene, since nothing else sees it; the cover is an instance that only blocks.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Mask {
+    /// Node of the instance that covers. Its reflectance is that of its material, which is an obstruction otherwise.
+    pub node: String,
+    /// Node of the surface that is covered; no instance has it if nothing of the surface is seen.
+    pub base: String,
+    /// Material of that surface, an index into [`Scene::materials`].
+    pub base_material: usize,
 }
 
 /// What the numbers of light mean.
@@ -163,6 +183,17 @@ impl Scene {
         }
         for mesh in &self.meshes {
             self.check_mesh(mesh)?;
+        }
+        let masks = self.view_factors.iter().flat_map(|asked| &asked.masks);
+        for mask in masks {
+            if mask.base_material >= self.materials.len() {
+                return fail(format!(
+                    "mask '{}': base material {} of {}",
+                    mask.node,
+                    mask.base_material,
+                    self.materials.len()
+                ));
+            }
         }
         for instance in &self.instances {
             if instance.mesh >= self.meshes.len() {

@@ -1,7 +1,8 @@
 //! `.vs3` files: surfaces come where and as View3D has them, and what is wrong is named by its line.
 
 use glam::Vec3;
-use hemicube_scene::{Face, Scene, Units, open_bytes};
+use hemicube_scene::options::SceneOptions;
+use hemicube_scene::{Face, Mask, Scene, Units, open_bytes};
 use std::time::Instant;
 
 fn scene(text: &str) -> Scene {
@@ -93,7 +94,10 @@ V this is not read
     let scene = scene(text);
     assert_eq!(scene.name, "A room, with! marks", "the title");
     assert_eq!(scene.units, Units::Radiometric, "heat, not light");
-    let asked = scene.view_factors.expect("it is made for view factors");
+    let asked = scene
+        .view_factors
+        .as_ref()
+        .expect("it is made for view factors");
     assert!(asked.enclosure, "encl=1");
     assert_eq!(asked.error, Some(1e-5), "eps");
     assert_eq!(nodes(&scene), ["floor", "surface 2"], "names, or numbers");
@@ -226,7 +230,7 @@ fn windows_in_windows_and_doors_on_edges() {
 
 #[test]
 fn null_surfaces_and_masks_take_from_their_base_and_only_block() {
-    for (key, warned) in [("N", false), ("M", true)] {
+    for (key, masks, reflectance) in [("N", 0, 0.0), ("M", 1, 0.5)] {
         let text = format!("S 1 1 2 3 4 0 0 0.9 floor\n{key} 2 8 7 6 5 1 0 0.5 rug\nE\n");
         let scene = scene(&on_square(&text));
         assert_eq!(
@@ -237,16 +241,71 @@ fn null_surfaces_and_masks_take_from_their_base_and_only_block() {
         assert!(!scene.materials[0].obstruction, "{key}: the floor radiates");
         assert!(scene.materials[1].obstruction, "{key}: the rug only blocks");
         assert_eq!(
+            scene.materials[1].base_color.to_array(),
+            [reflectance; 3],
+            "{key}: masks are rows, and have their emissivity"
+        );
+        assert_eq!(
             vector_area(&scene, 0).z,
             14.0,
             "{key}: the floor loses the rug"
         );
-        assert_eq!(
-            !scene.report.warnings.is_empty(),
-            warned,
-            "{key}: masks are read otherwise"
-        );
+        assert!(scene.report.warnings.is_empty(), "{key}: no warning");
+        let asked = scene.view_factors.expect("it is made for view factors");
+        assert_eq!(asked.masks.len(), masks, "{key}: who covers");
+        assert_eq!(asked.rows.len(), 1 + masks, "{key}: rows by object");
     }
+}
+
+/// Surface 2 is combined with 1, so its mask covers 1; 4 stands before 5 in the file, though 5 is placed first.
+#[test]
+fn masks_know_whom_they_cover_and_where_their_row_is() {
+    let scene = scene(&on_square(
+        "S 1 1 2 3 0 0 0 0.9 wall\nS 2 1 3 4 0 0 1 0.9 part\nV 9 0 3.5 0\nV 10 0.5 3.5 0\nV 11 0.5 4 0\n\
+         M 3 4 11 10 9 2 0 0.4 rug\nO 4 1 4 3 2\nS 5 1 4 3 2 0 0 0.8 back\nE\n",
+    ));
+    let asked = scene
+        .view_factors
+        .as_ref()
+        .expect("it is made for view factors");
+    let mask = Mask {
+        node: "rug".into(),
+        base: "wall".into(),
+        base_material: 1,
+    };
+    assert_eq!(asked.masks, [mask], "the first of what is combined");
+    assert_eq!(asked.rows, ["wall", "rug", "back"], "View3D's order");
+    assert_eq!(scene.materials[1].name, "part", "its own material");
+}
+
+#[test]
+fn a_base_that_is_masked_all_over_stays_a_row() {
+    let scene = scene(&on_square(
+        "S 1 5 6 7 8 0 0 0.9 wall\nM 2 8 7 6 5 1 0 0.4 cover\nS 3 1 2 3 4 0 0 0.8 floor\nE\n",
+    ));
+    assert_eq!(nodes(&scene), ["floor", "cover"], "nothing of it is seen");
+    assert!(scene.report.warnings.is_empty(), "and that is well");
+    let asked = scene
+        .view_factors
+        .as_ref()
+        .expect("it is made for view factors");
+    let material = asked.masks[0].base_material;
+    assert_eq!(
+        scene.materials[material].name, "wall",
+        "its material is kept"
+    );
+}
+
+#[test]
+fn a_mask_goes_with_its_base() {
+    let mut scene = scene(&on_square(
+        "S 1 1 2 3 4 0 0 0.9 wall\nM 2 8 7 6 5 1 0 0.4 cover\nS 3 1 4 3 2 0 0 0.8 floor\nE\n",
+    ));
+    scene
+        .apply(&SceneOptions::default().with_hide("wall"))
+        .expect("nodes can be hidden");
+    let asked = scene.view_factors.expect("it is made for view factors");
+    assert!(asked.masks.is_empty(), "it covers nothing");
 }
 
 #[test]

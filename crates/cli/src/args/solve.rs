@@ -1,6 +1,7 @@
 //! Options of the mesh and the solver.
 
 use super::parse;
+use crate::report::{SHARE_OF_MEMORY, free_memory};
 use clap::Args;
 use hemicube::radiosity::form_factor::FormFactorKind;
 use hemicube::radiosity::solution::Provenance;
@@ -73,7 +74,7 @@ pub struct SolveArgs {
     /// Stop after this time since the program's start: 30s, 2m, 1h [default: no limit]
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     pub time: Option<Duration>,
-    /// Most memory in MiB for the matrix of solvers that work on one [default: 2048]
+    /// Most memory in MiB for the matrix of solvers that work on one [default: 2048, or what is free if that is less]
     #[arg(long, value_name = "MIB", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     pub matrix_memory: Option<u32>,
 }
@@ -173,6 +174,9 @@ impl SolveArgs {
         options.max_steps = self.iterations;
         if let Some(mib) = self.matrix_memory {
             options.memory_limit = mib as usize * (1 << 20);
+        } else if let Some(free) = free_memory() {
+            let most = usize::try_from(free / 10 * SHARE_OF_MEMORY).unwrap_or(usize::MAX);
+            options.memory_limit = options.memory_limit.min(most);
         }
     }
 

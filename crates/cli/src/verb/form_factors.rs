@@ -7,7 +7,7 @@ use crate::input::Input;
 use crate::interrupt;
 use crate::output::{Target, print, print_json};
 use crate::progress::Bar;
-use crate::report::{Warnings, free_memory, grouped, peak_memory};
+use crate::report::{SHARE_OF_MEMORY, Warnings, free_memory, grouped, peak_memory};
 use crate::solving::percent;
 use hemicube::radiosity::PatchMesh;
 use hemicube::radiosity::export::view_factors::{self, View3dFacts};
@@ -27,8 +27,6 @@ const PRINTED: usize = 12;
 const PRINTED_AS_JSON: usize = 100;
 /// Characters of a name in the printed matrix.
 const NAME: usize = 16;
-/// Share of the free memory that a matrix may take.
-const SHARE_OF_MEMORY: u64 = 8;
 /// Matrices that there are at once while one is corrected.
 const CORRECTING: u64 = 4;
 /// Share of a row that a closed enclosure may lose through its seams.
@@ -50,7 +48,7 @@ pub fn run(args: &FormFactorsVerb, global: GlobalArgs, start: Instant) -> Result
     interrupt::listen();
     let scene = Arc::new(Input::open(&args.scene)?.into_scene(&args.scene_options)?);
     let mesh = Arc::new(PatchMesh::build(scene, args.factors.mesh())?);
-    let computed = Computed::new(args, mesh, global, start)?;
+    let computed = Computed::new(args, target.as_ref(), mesh, global, start)?;
     computed.advise(global);
     if let Some(target) = &target {
         computed.write(target)?;
@@ -94,13 +92,14 @@ struct Computed {
 impl Computed {
     fn new(
         args: &FormFactorsVerb,
+        target: Option<&Target>,
         mesh: Arc<PatchMesh>,
         global: GlobalArgs,
         start: Instant,
     ) -> Result<Self, Failure> {
         let factors = &args.factors;
-        let asked = mesh.scene().view_factors;
-        let of_file = match asked {
+        let asked = mesh.scene().view_factors.clone();
+        let of_file = match &asked {
             Some(_) => SurfacesBy::Object,
             None => SurfacesBy::Face,
         };
@@ -112,9 +111,8 @@ impl Computed {
                 mesh.scene().name
             )));
         }
-        let error = asked.and_then(|asked| asked.error);
+        let error = asked.as_ref().and_then(|asked| asked.error);
         let (kind, options) = (factors.kind(), factors.options(error));
-        let way = kind.build(mesh.clone(), &options)?;
         let bar = Bar::new("factors", global.quiet);
         let stop = || {
             bar.count(mesh.patches().len());
@@ -122,13 +120,14 @@ impl Computed {
         };
         let corrected = factors.enclosure || asked.is_some_and(|asked| asked.enclosure);
         let mut storage = memory(corrected);
-        if args.output.as_ref().is_some_and(|path| {
-            path.extension()
-                .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
-        }) {
-            // The file holds every entry.
-            storage.storage = Storage::Dense;
+        if let Some(target) = target {
+            refuse_large_file(target, surfaces.len(), by, storage.memory_limit)?;
+            if target.ends_in("npy") {
+                // The file holds every entry.
+                storage.storage = Storage::Dense;
+            }
         }
+        let way = kind.build(mesh.clone(), &options)?;
         let matrix = ViewFactorMatrix::build_by(&*way, &surfaces, storage, &stop)?;
         bar.finish();
         if interrupt::asked() {
@@ -451,6 +450,30 @@ fn largest(values: impl Iterator<Item = (f64, usize)>) -> (f64, usize) {
         (0.0, 0),
         |best, one| if one.0 > best.0 { one } else { best },
     )
+}
+
+/// Refuses files that would hold every factor of more than fit into memory: who reads them has no more.
+fn refuse_large_file(
+    target: &Target,
+    n: usize,
+    by: SurfacesBy,
+    limit: usize,
+) -> Result<(), Failure> {
+    let needed = n.saturating_mul(n).saturating_mul(4);
+    if target.ends_in("mtx") || needed <= limit {
+        return Ok(());
+    }
+    let n = grouped(n as u64);
+    let mend = match by {
+        SurfacesBy::Face => "sum them with --by object, or write .mtx, which leaves zeros out",
+        SurfacesBy::Object => "write .mtx, which leaves zeros out",
+    };
+    Err(Failure::Failed(format!(
+        "{}: the file holds every factor, and {n} x {n} take {} MiB where {} MiB are free for them; {mend}",
+        target.path.display(),
+        grouped((needed as u64 >> 20) + 1),
+        grouped(limit as u64 >> 20),
+    )))
 }
 
 /// A share of the memory that is free, or what the library takes for granted.

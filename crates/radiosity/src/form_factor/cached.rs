@@ -58,6 +58,14 @@ impl<F: FormFactors> FormFactors for Cached<F> {
         self.inner.dense_rows(stop)
     }
 
+    fn most_receivers(&self, source: NodeId) -> usize {
+        self.inner.most_receivers(source)
+    }
+
+    fn sampled_pairs(&self) -> u64 {
+        self.inner.sampled_pairs()
+    }
+
     fn rays(&self) -> u64 {
         self.inner.rays()
     }

@@ -239,6 +239,12 @@ impl DeltaFactors {
         self.row(face, row).of(column..column + 1)
     }
 
+    /// The running sums of a quarter of the top, row by row from the middle outwards, then those of half a side, from the
+    /// patch's plane upwards: 0 and the sum up to each of the half row's cells, from the middle outwards.
+    pub fn running_sums(&self) -> impl Iterator<Item = f64> + '_ {
+        self.top.iter().chain(&self.side).copied()
+    }
+
     /// Sum over all cells of all faces: 1.
     pub fn sum(&self) -> f64 {
         let total =

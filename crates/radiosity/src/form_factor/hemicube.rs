@@ -37,7 +37,8 @@ use crate::form_factor::analytic::unoccluded::Rules;
 use crate::form_factor::arrivals::{Arrivals, add};
 pub use crate::form_factor::delta_factors::{CubeFace, DeltaFactors, Projection};
 use crate::form_factor::polygon::FlatPolygon;
-use crate::form_factor::viewpoints::{Viewpoint, Viewpoints};
+pub use crate::form_factor::viewpoints::Viewpoint;
+use crate::form_factor::viewpoints::Viewpoints;
 use crate::form_factor::{FormFactors, Row};
 use crate::patch::{NodeId, PatchMesh};
 use crate::sampling::{hash, point2};
@@ -123,6 +124,17 @@ impl ItemBuffers {
     pub const ABSORBED: u32 = EMPTY - 1;
 }
 
+/// What one hemicube sees, summed by a renderer of item buffers elsewhere; 1 in all, in any unit.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sums {
+    /// Share of each element.
+    pub received: Vec<f64>,
+    /// Share of sides that only absorb.
+    pub absorbed: f64,
+    /// Share that meets nothing.
+    pub escaped: f64,
+}
+
 /// Form factors by hemicubes on the CPU.
 #[derive(Debug)]
 pub struct Hemicube {
@@ -196,6 +208,48 @@ impl Hemicube {
                 })
                 .collect(),
         }
+    }
+
+    /// Where the hemicubes of a node stand.
+    pub fn viewpoints(&self, source: NodeId) -> Vec<Viewpoint> {
+        self.viewpoints.of(source)
+    }
+
+    /// Radius of an element around its centroid.
+    pub fn radius(&self, element: usize) -> f32 {
+        self.viewpoints.radius(element)
+    }
+
+    /// Whether light passes through elements, so that one item buffer is not enough.
+    pub fn is_layered(&self) -> bool {
+        self.layered
+    }
+
+    /// The row of a node from what its hemicubes see, drawn elsewhere. What no pane lets through counts.
+    pub fn row_of_sums(&self, source: NodeId, views: &[Viewpoint], sums: &[Sums], row: &mut Row) {
+        let mut arrivals = Arrivals::new(self.mesh.elements().len());
+        for (view, sums) in views.iter().zip(sums) {
+            let share = |part: f64| [part * view.weight; 3];
+            add(&mut arrivals.absorbed, share(sums.absorbed));
+            add(&mut arrivals.escaped, share(sums.escaped));
+            for (arrived, &part) in arrivals.received.iter_mut().zip(&sums.received) {
+                add(arrived, share(part));
+            }
+        }
+        self.finish_row(source, views, arrivals, row);
+    }
+
+    fn finish_row(
+        &self,
+        source: NodeId,
+        views: &[Viewpoint],
+        mut arrivals: Arrivals,
+        row: &mut Row,
+    ) {
+        for (element, factor) in self.small_receivers(source, views) {
+            arrivals.received[element] = [0, 1, 2].map(|band| f64::from(factor[band]));
+        }
+        arrivals.write(&self.mesh, self.bands, row);
     }
 
     fn faces(&self) -> &'static [CubeFace] {
@@ -481,10 +535,7 @@ impl FormFactors for Hemicube {
                 }
             }
         }
-        for (element, factor) in self.small_receivers(source, &views) {
-            arrivals.received[element] = [0, 1, 2].map(|band| f64::from(factor[band]));
-        }
-        arrivals.write(&self.mesh, self.bands, row);
+        self.finish_row(source, &views, arrivals, row);
     }
 }
 

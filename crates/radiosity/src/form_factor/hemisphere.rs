@@ -305,6 +305,11 @@ impl FormFactors for Hemisphere {
         arrivals.write(mesh, self.bands, row);
     }
 
+    fn most_receivers(&self, source: NodeId) -> usize {
+        // A ray arrives at each pane that it passes; few pass more than one or two.
+        self.points(source) * self.options.cells as usize * 2
+    }
+
     fn rays(&self) -> u64 {
         self.rays.load(Ordering::Relaxed)
     }

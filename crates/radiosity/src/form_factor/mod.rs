@@ -101,6 +101,13 @@ pub trait FormFactors: Send + Sync {
         None
     }
 
+    /// Most elements that the row of a node can reach: ways that follow rays reach no more than they have rays, those
+    /// that ask for each pair all that are in sight.
+    fn most_receivers(&self, source: NodeId) -> usize {
+        let _ = source;
+        usize::MAX
+    }
+
     /// Pairs whose visibility had to be sampled so far, by methods that need not sample as a rule.
     fn sampled_pairs(&self) -> u64 {
         0
@@ -123,6 +130,10 @@ impl<F: FormFactors + ?Sized> FormFactors for Box<F> {
 
     fn dense_rows(&self, stop: Stop<'_>) -> Option<matrix::DenseRows> {
         (**self).dense_rows(stop)
+    }
+
+    fn most_receivers(&self, source: NodeId) -> usize {
+        (**self).most_receivers(source)
     }
 
     fn sampled_pairs(&self) -> u64 {

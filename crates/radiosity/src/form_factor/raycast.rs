@@ -109,7 +109,13 @@ impl RayCast {
         &self.mesh
     }
 
-    pub(super) fn count_rays(&self, rays: u64) {
+    /// Rays that [`Self::fill_row`] casts from a node where it shoots.
+    pub fn rays_of_shot(&self, source: NodeId) -> u32 {
+        ray_count(self.shot_rays(source), MIN_SHOT_RAYS, MAX_SHOT_RAYS)
+    }
+
+    /// Books rays that were cast elsewhere.
+    pub fn count_rays(&self, rays: u64) {
         self.rays.fetch_add(rays, Ordering::Relaxed);
     }
 
@@ -123,7 +129,6 @@ impl RayCast {
         let area = f64::from(self.mesh.node(source).area);
         f64::from(self.options.rays) * brightness * area / self.mean_element_area
     }
-
     fn takes_pairs(&self, source: NodeId) -> bool {
         match self.options.strategy {
             Strategy::Pairs => true,
@@ -283,7 +288,7 @@ impl RayCast {
     fn shots(&self, source: NodeId, row: &mut Row) {
         let mesh = &*self.mesh;
         let from = Shooter::new(mesh, source);
-        let rays = ray_count(self.shot_rays(source), MIN_SHOT_RAYS, MAX_SHOT_RAYS);
+        let rays = self.rays_of_shot(source);
         let tallies = self.cast(&from, rays, |arrivals: &mut Vec<(u32, Rgb)>, hit, taken| {
             let element = mesh
                 .element_at(hit.face, hit.side, hit.point)
@@ -348,6 +353,14 @@ impl FormFactors for RayCast {
         } else {
             self.shots(source, row);
         }
+    }
+
+    fn most_receivers(&self, source: NodeId) -> usize {
+        if self.takes_pairs(source) {
+            return usize::MAX;
+        }
+        // A ray arrives at each pane that it passes; few pass more than one or two.
+        self.rays_of_shot(source) as usize * 2
     }
 
     fn rays(&self) -> u64 {

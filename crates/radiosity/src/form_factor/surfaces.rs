@@ -1,8 +1,11 @@
 //! What the rows of a matrix stand for: faces or objects of the scene, under the names that their maker gave them.
 
+mod contacts;
+
 use crate::form_factor::matrix::patch_area;
 use crate::patch::face::Side;
 use crate::patch::{NodeKind, PatchMesh};
+use contacts::Contact;
 use std::collections::{HashMap, HashSet};
 
 /// Marks patches that belong to no row.
@@ -35,46 +38,60 @@ impl SurfacesBy {
 ///
 /// Surfaces without an exposed point (the foot of a cupboard on the floor) are none: their factors would be shares of
 /// nothing. [`buried`](Self::buried) names them.
-#[derive(Debug, Clone, PartialEq, Eq)]
+///
+/// A [mask](hemicube_scene::Mask) is a surface without a patch: it and what it covers see nothing but each other, and
+/// both areas count. Between objects the covered part belongs to its base, between faces it is a surface called
+/// `BASE under MASK`.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Surfaces {
     names: Vec<String>,
     of_patch: Vec<u32>,
     buried: Vec<String>,
+    contacts: Vec<Contact>,
 }
 
 impl Surfaces {
-    /// The faces or objects of a mesh, in the order of the scene.
+    /// The faces or objects of a mesh, in the order of the scene, or of the
+    /// [rows](hemicube_scene::ViewFactorRequest::rows) that it asks for; masks come last otherwise.
     ///
     /// An object is called like its node. So is its face, with its number within the object where there are several, and
     /// with `back` for the second lit side of a double-sided face. No name occurs twice.
     pub fn new(mesh: &PatchMesh, by: SurfacesBy) -> Self {
-        let (names, of_patch) = match by {
+        let (mut names, of_patch) = match by {
             SurfacesBy::Face => by_face(mesh),
             SurfacesBy::Object => by_object(mesh),
         };
+        let contacts = contacts::add_rows(mesh, by, &mut names);
         let mut area = vec![0.0; names.len()];
         for (patch, &surface) in of_patch.iter().enumerate() {
             area[surface as usize] += patch_area(mesh, patch);
         }
-        let mut kept = Self {
+        for contact in &contacts {
+            for row in contact.rows {
+                area[row as usize] += contact.area;
+            }
+        }
+        let mut surfaces = Self {
             names: Vec::with_capacity(names.len()),
             of_patch,
             buried: Vec::new(),
+            contacts,
         };
-        let mut new_number = Vec::with_capacity(names.len());
-        for (name, area) in names.into_iter().zip(area) {
-            if area > 0.0 {
-                new_number.push(crate::index32(kept.names.len()));
-                kept.names.push(name);
+        let mut new_number = vec![NONE; names.len()];
+        for i in order(mesh, by, &names) {
+            let name = core::mem::take(&mut names[i]);
+            if area[i] > 0.0 {
+                new_number[i] = crate::index32(surfaces.names.len());
+                surfaces.names.push(name);
             } else {
-                new_number.push(NONE);
-                kept.buried.push(name);
+                surfaces.buried.push(name);
             }
         }
-        for surface in &mut kept.of_patch {
-            *surface = new_number[*surface as usize];
-        }
-        kept
+        let renumber = |surface: &mut u32| *surface = new_number[*surface as usize];
+        surfaces.of_patch.iter_mut().for_each(renumber);
+        let in_contact = surfaces.contacts.iter_mut();
+        in_contact.flat_map(|c| &mut c.rows).for_each(renumber);
+        surfaces
     }
 
     /// How many there are.
@@ -103,6 +120,17 @@ impl Surfaces {
         &self.buried
     }
 
+    /// Exchange areas `A_i F_ij` with surfaces that lie on one another: row, column and area, both ways, rows ascending.
+    pub(crate) fn contact_exchanges(&self) -> Vec<(u32, u32, f64)> {
+        let both = |c: &Contact| {
+            let [cover, base] = c.rows;
+            [(cover, base, c.area), (base, cover, c.area)]
+        };
+        let mut exchanges: Vec<_> = self.contacts.iter().flat_map(both).collect();
+        exchanges.sort_by_key(|&(row, column, _)| (row, column));
+        exchanges
+    }
+
     /// Emissivity of each surface: 1 less its diffuse reflectance, the mean over its exposed area and the bands.
     pub fn emissivities(&self, mesh: &PatchMesh) -> Vec<f64> {
         let (mut reflected, mut area) = (vec![0.0; self.len()], vec![0.0; self.len()]);
@@ -117,9 +145,27 @@ impl Surfaces {
                 reflected[surface] += a * bands.iter().sum::<f64>() / 3.0;
             }
         }
+        for contact in &self.contacts {
+            for (row, reflectance) in contact.rows.into_iter().zip(contact.reflectances) {
+                area[row as usize] += contact.area;
+                reflected[row as usize] += contact.area * reflectance;
+            }
+        }
         let emissivity = |(reflected, area): (f64, f64)| 1.0 - reflected / area;
         reflected.into_iter().zip(area).map(emissivity).collect()
     }
+}
+
+/// The rows in the order that the scene asks for; those that it does not name come last, as they are.
+fn order(mesh: &PatchMesh, by: SurfacesBy, names: &[String]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..names.len()).collect();
+    let asked = mesh.scene().view_factors.as_ref();
+    if let (SurfacesBy::Object, Some(asked)) = (by, asked) {
+        let rows = asked.rows.iter().map(String::as_str).zip(0_usize..);
+        let place: HashMap<&str, usize> = rows.collect();
+        order.sort_by_key(|&i| place.get(names[i].as_str()).copied().unwrap_or(usize::MAX));
+    }
+    order
 }
 
 /// Face and side that each patch is of.

@@ -17,15 +17,15 @@ const MIDDLE: f32 = 1.25;
 
 /// A point of a patch with a frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Viewpoint {
+pub struct Viewpoint {
     /// On the surface.
-    pub(super) point: Vec3,
+    pub point: Vec3,
     /// Off the surface, so that rays do not meet it.
-    pub(super) origin: Vec3,
+    pub origin: Vec3,
     /// Two axes in the patch's plane and its normal. They are turned around the normal by another angle at each point.
-    pub(super) axes: [Vec3; 3],
+    pub axes: [Vec3; 3],
     /// Share of the patch that it stands for; they sum to 1.
-    pub(super) weight: f64,
+    pub weight: f64,
 }
 
 /// Chooses the points of patches.

@@ -88,7 +88,7 @@ pub struct Progress {
 /// Steps until the unshot share is at most `tolerance` or `go_on` says no. It is asked before every step, and told the
 /// last state, whatever it answers then.
 pub fn run(
-    solver: &mut impl Solver,
+    solver: &mut (impl Solver + ?Sized),
     tolerance: f64,
     mut go_on: impl FnMut(&Progress, &Solution) -> bool,
 ) -> Progress {

@@ -85,7 +85,7 @@ impl<'a> OnMatrix<'a> {
         let (count, patches) = (solution.groups().len() * BANDS, mesh.patches().len());
         let plan = MatrixPlan::new(factors, options)?;
         kind.refuse_memory(patches, plan.bytes(), count, options.memory_limit)?;
-        let Some(matrices) = ViewFactorMatrix::build_as(factors, plan, options, stop)? else {
+        let Some(matrices) = ViewFactorMatrix::build_as(factors, plan, stop)? else {
             return Err(NotStarted::Stopped(Box::new(solution)));
         };
         // Gathering by the reciprocal rows is the same as shooting by the rows, whatever their error.

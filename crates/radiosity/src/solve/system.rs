@@ -241,11 +241,11 @@ impl MatrixSolverKind {
         if needed <= limit {
             return Ok(());
         }
-        let advice = match self {
-            Self::Gauss | Self::Southwell | Self::Overshooting => {
-                "or gauss-seidel, which needs no second matrix"
-            }
-            _ => "or a solver that shoots, which needs no matrix",
+        // What would be refused next is no advice.
+        let advice = if stored <= limit {
+            "or gauss-seidel, which needs no second matrix"
+        } else {
+            "or a solver that shoots, which needs no matrix"
         };
         Err(RadiosityError::Option(format!(
             "solver {} on {n} patches takes about {} MiB, {} MiB are allowed; use at most {} patches, {advice}",

@@ -11,8 +11,10 @@
 //!   or more faces.
 //! - **N** (null surface) takes a part of its base away: that part only blocks.
 //! - **M** (mask) covers a part of its base. Mask and covered part see nothing but each other, so the part is taken away
-//!   as by N, the mask is no row, and a warning says so. View3D keeps both: the area of the base with the covered part,
-//!   and the mask as a row with the factor 1 to its base.
+//!   from the geometry as by N, and a [`Mask`] tells of both: matrices by object have the whole area of the base, and
+//!   the mask as a row with the factor 1 to it, as View3D has. (View3D 4.0 departs from its manual where
+//!   the base lies on a base itself, the mask then has a factor of -1 to the lower base, and where both surfaces of a
+//!   pair are masked, one of the masks is then looked through. Here neither happens.)
 //! - **O** only blocks ([`Material::obstruction`]); it may be the base of radiating surfaces.
 //!
 //! Instances stand in the order of the surfaces, so rows of a matrix by object have the numbers of View3D's output.
@@ -26,7 +28,7 @@ mod cut;
 mod parse;
 
 use crate::open::{checked, one_line, stem};
-use crate::{Face, Instance, Material, Mesh, Scene, SceneError, Units, ViewFactorRequest};
+use crate::{Face, Instance, Mask, Material, Mesh, Scene, SceneError, Units, ViewFactorRequest};
 use cut::{Sheet, doubled_area};
 use glam::{Affine3A, DVec3};
 use hemicube_raster::Rgb;
@@ -68,6 +70,8 @@ pub fn import(bytes: &[u8], file: &str) -> Result<Scene, SceneError> {
     scene.view_factors = Some(ViewFactorRequest {
         enclosure: document.enclosure,
         error: document.eps,
+        masks: Vec::new(),
+        rows: rows(&surfaces),
     });
     fill(&mut scene, &surfaces).map_err(invalid)?;
     checked(scene, file)
@@ -260,6 +264,18 @@ fn name_apart(surfaces: &mut [Placed]) {
     }
 }
 
+/// Names of the rows by object, in View3D's order: surfaces that are combined with another are none, null surfaces and
+/// obstructions neither.
+fn rows(surfaces: &[Placed]) -> Vec<String> {
+    let is_row =
+        |s: &&Placed| matches!(s.kind, Kind::Radiating | Kind::Mask) && s.combined_with.is_none();
+    surfaces
+        .iter()
+        .filter(is_row)
+        .map(|s| s.name.clone())
+        .collect()
+}
+
 /// Places everything in the scene: radiating surfaces in their order, each with those that are combined with it, then
 /// what only blocks.
 fn fill(scene: &mut Scene, surfaces: &[Placed]) -> Result<(), String> {
@@ -279,37 +295,33 @@ fn fill(scene: &mut Scene, surfaces: &[Placed]) -> Result<(), String> {
             continue;
         }
         for &part in [i].iter().chain(&combined[i]) {
-            place(
-                scene,
-                &surfaces[part],
-                &surfaces[i].name,
-                surfaces,
-                &upon[part],
-            )?;
+            let node = &surfaces[i].name;
+            let material = place(scene, &surfaces[part], node, surfaces, &upon[part])?;
+            let covers = upon[part]
+                .iter()
+                .filter(|&&cover| surfaces[cover].kind == Kind::Mask);
+            let asked = scene.view_factors.get_or_insert_default();
+            asked.masks.extend(covers.map(|&cover| Mask {
+                node: surfaces[cover].name.clone(),
+                base: node.clone(),
+                base_material: material,
+            }));
         }
     }
     for i in (0..surfaces.len()).filter(|i| !radiates(i)) {
-        let surface = &surfaces[i];
-        if surface.kind == Kind::Mask {
-            let what = "a mask is read as a null surface: it is no row, and its base loses the covered part";
-            scene.report.warn(
-                format!("line {}, surface '{}'", surface.line, surface.name),
-                what,
-            );
-        }
-        place(scene, surface, &surface.name, surfaces, &upon[i])?;
+        place(scene, &surfaces[i], &surfaces[i].name, surfaces, &upon[i])?;
     }
     Ok(())
 }
 
-/// Adds what is left of a surface around those upon it.
+/// Adds what is left of a surface around those upon it; its material's index.
 fn place(
     scene: &mut Scene,
     surface: &Placed,
     node: &str,
     all: &[Placed],
     upon: &[usize],
-) -> Result<(), String> {
+) -> Result<usize, String> {
     if upon.len() > MOST_ON_BASE {
         let what = format!(
             "is the base of {} others, at most {MOST_ON_BASE} are read; split it",
@@ -339,31 +351,40 @@ fn place(
     if (left - rest).abs() > 1e-4 * surface.area() {
         return Err(surface.problem("is the base of surfaces that overlap; move them apart"));
     }
+    let material = scene.materials.len();
+    let reflectance = Rgb::splat(1.0 - surface.emissivity);
+    scene.materials.push(match surface.kind {
+        Kind::Radiating => Material::diffuse(&surface.name, reflectance),
+        Kind::Mask => Material {
+            base_color: reflectance,
+            ..Material::blocking(&surface.name)
+        },
+        Kind::Null | Kind::Obstruction => Material::blocking(&surface.name),
+    });
     let mut mesh = Mesh {
         name: surface.name.clone(),
-        material: scene.materials.len(),
+        material,
         ..Mesh::default()
     };
     for piece in sheet.pieces() {
         add_faces(&mut mesh, piece, surface.normal);
     }
-    let radiates = surface.kind == Kind::Radiating;
     if mesh.faces.is_empty() {
-        let what = match radiates {
-            true => "is covered all over by those upon it; it has no area left and is no row",
-            false => "is covered all over by those upon it",
+        let is_masked = upon.iter().any(|&i| all[i].kind == Kind::Mask);
+        let what = match surface.kind {
+            // It still exchanges with its masks, as View3D has it.
+            Kind::Radiating if is_masked => return Ok(material),
+            Kind::Radiating => {
+                "is covered all over by those upon it; it has no area left and is no row"
+            }
+            _ => "is covered all over by those upon it",
         };
         scene.report.warn(
             format!("line {}, surface '{}'", surface.line, surface.name),
             what,
         );
-        return Ok(());
+        return Ok(material);
     }
-    scene.materials.push(if radiates {
-        Material::diffuse(&surface.name, Rgb::splat(1.0 - surface.emissivity))
-    } else {
-        Material::blocking(&surface.name)
-    });
     scene.instances.push(Instance {
         node: node.to_owned(),
         mesh: scene.meshes.len(),
@@ -371,7 +392,7 @@ fn place(
         flipped: false,
     });
     scene.meshes.push(mesh);
-    Ok(())
+    Ok(material)
 }
 
 /// Adds a convex polygon as quads and triangles.

@@ -1,8 +1,8 @@
 //! Sums over patches: matrices between faces or objects.
 
 use super::{
-    CHUNK, Collected, Entries, MatrixOptions, SAMPLED_ROWS, SPARSE_BELOW, Storage,
-    ViewFactorMatrix, collect, patch_area, ratio, to_bytes, to_f32,
+    CHUNK, Collected, Entries, MatrixOptions, MatrixPlan, ViewFactorMatrix, collect, patch_area,
+    ratio, to_f32,
 };
 use crate::error::RadiosityError;
 use crate::form_factor::matrix::DenseRows;
@@ -11,9 +11,6 @@ use crate::form_factor::{FormFactors, Row};
 use crate::patch::PatchMesh;
 use crate::stop::Stop;
 use rayon::prelude::*;
-
-/// Dense matrices up to this size are not worth a look at how many of their entries are zero, in bytes.
-const SMALL: usize = 16 << 20;
 
 impl ViewFactorMatrix {
     /// The factors between surfaces, each the sum over its patches: `F_IJ = Σ_i A_i Σ_j F_ij / A_I`; shares of sky,
@@ -24,7 +21,7 @@ impl ViewFactorMatrix {
     /// once for each row; after it has said so, the rest stays empty.
     ///
     /// # Errors
-    /// More memory than the options allow, told before the rows are computed (by a sample of them, if sparse).
+    /// As [`Self::build`].
     pub fn build_by(
         factors: &dyn FormFactors,
         surfaces: &Surfaces,
@@ -32,17 +29,17 @@ impl ViewFactorMatrix {
         stop: Stop<'_>,
     ) -> Result<Self, RadiosityError> {
         let mesh = factors.mesh().clone();
-        let n = surfaces.len();
-        let is_sparse = choose_storage(factors, surfaces, options)?;
+        let plan = MatrixPlan::of_surfaces(factors, surfaces, options)?;
         let patches = mesh.patches().len();
         let fits = patches.saturating_mul(patches).saturating_mul(4) <= options.memory_limit;
-        if !is_sparse
+        if !plan.is_sparse
             && fits
             && let Some(rows) = factors.dense_rows(stop)
         {
             return Ok(Self::summed_by(&mesh, rows, surfaces));
         }
-        let mut summer = Summer::new(surfaces.names().to_vec(), is_sparse);
+        let mut summer = Summer::new(surfaces.names().to_vec(), plan.is_sparse)
+            .with_exchanges(surfaces.contact_exchanges());
         // Stable, so that patches of one surface keep their order.
         let mut patches: Vec<(usize, usize)> = (0..mesh.patches().len())
             .filter_map(|p| Some((surfaces.of_patch(p)?, p)))
@@ -63,10 +60,7 @@ impl ViewFactorMatrix {
                 let of = |patch| surfaces.of_patch(patch);
                 summer.add(surface, patch_area(&mesh, p), row, of);
             }
-            let bytes = summer.matrix.entries.bytes();
-            if bytes > options.memory_limit {
-                return Err(too_large(n, bytes, options.memory_limit));
-            }
+            plan.refuse(summer.matrix.entries.bytes())?;
         }
         Ok(summer.finish())
     }
@@ -74,7 +68,7 @@ impl ViewFactorMatrix {
     /// The sums of rows that are all there.
     fn summed_by(mesh: &PatchMesh, rows: DenseRows, surfaces: &Surfaces) -> Self {
         let n = mesh.patches().len();
-        if (0..n).all(|p| surfaces.of_patch(p) == Some(p)) {
+        if n == surfaces.len() && (0..n).all(|p| surfaces.of_patch(p) == Some(p)) {
             return Self {
                 entries: Entries::dense(n, rows.values),
                 areas: (0..n).map(|p| patch_area(mesh, p)).collect(),
@@ -84,7 +78,8 @@ impl ViewFactorMatrix {
                 transmitted: vec![0.0; n],
             };
         }
-        let mut summer = Summer::new(surfaces.names().to_vec(), false);
+        let mut summer = Summer::new(surfaces.names().to_vec(), false)
+            .with_exchanges(surfaces.contact_exchanges());
         let mut patches: Vec<(usize, usize)> = (0..n)
             .filter_map(|p| Some((surfaces.of_patch(p)?, p)))
             .collect();
@@ -151,6 +146,8 @@ impl ViewFactorMatrix {
 /// A matrix that grows by rows of patches, those of one surface after another.
 struct Summer {
     matrix: ViewFactorMatrix,
+    /// Exchange areas that are known beforehand: row, column, area; rows ascending.
+    exchanges: Vec<(u32, u32, f64)>,
     /// Sums of the surface at work, times area.
     sums: Vec<f64>,
     /// Columns in which it has a sum.
@@ -159,7 +156,6 @@ struct Summer {
     absorbed: f64,
     transmitted: f64,
     area: f64,
-    surface: Option<usize>,
 }
 
 impl Summer {
@@ -179,14 +175,19 @@ impl Summer {
                 absorbed: Vec::with_capacity(n),
                 transmitted: Vec::with_capacity(n),
             },
+            exchanges: Vec::new(),
             sums: vec![0.0; n],
             touched: Vec::new(),
             sky: 0.0,
             absorbed: 0.0,
             transmitted: 0.0,
             area: 0.0,
-            surface: None,
         }
+    }
+
+    /// The same with exchange that no patch tells of, over areas of its own.
+    fn with_exchanges(self, exchanges: Vec<(u32, u32, f64)>) -> Self {
+        Self { exchanges, ..self }
     }
 
     /// Adds the row of one patch; what arrives at a column of no surface counts as absorbed.
@@ -197,10 +198,9 @@ impl Summer {
         row: &Collected,
         of_column: impl Fn(usize) -> Option<usize>,
     ) {
-        if self.surface.is_some_and(|at_work| at_work != surface) {
+        while self.matrix.areas.len() < surface {
             self.push();
         }
-        self.surface = Some(surface);
         self.area += area;
         self.sky += area * row.sky;
         self.absorbed += area * row.absorbed;
@@ -211,15 +211,34 @@ impl Summer {
                 self.absorbed += exchange;
                 continue;
             };
-            if self.sums[to] == 0.0 {
-                self.touched.push(crate::index32(to));
-            }
-            self.sums[to] += exchange;
+            self.exchange(to, exchange);
+        }
+    }
+
+    fn exchange(&mut self, to: usize, exchange: f64) {
+        if self.sums[to] == 0.0 {
+            self.touched.push(crate::index32(to));
+        }
+        self.sums[to] += exchange;
+    }
+
+    /// Adds what the surface at work exchanges where it is covered, or covers.
+    fn exchange_in_contact(&mut self) {
+        let row = self.matrix.areas.len();
+        let first = self
+            .exchanges
+            .partition_point(|&(r, ..)| (r as usize) < row);
+        let end = self.exchanges.partition_point(|&(r, ..)| r as usize <= row);
+        for k in first..end {
+            let (_, column, area) = self.exchanges[k];
+            self.area += area;
+            self.exchange(column as usize, area);
         }
     }
 
     /// Ends the surface at work.
     fn push(&mut self) {
+        self.exchange_in_contact();
         self.touched.sort_unstable();
         self.touched.dedup();
         let area = self.area;
@@ -246,7 +265,7 @@ impl Summer {
     }
 
     fn finish(mut self) -> ViewFactorMatrix {
-        if self.surface.is_some() {
+        while self.matrix.areas.len() < self.matrix.names.len() {
             self.push();
         }
         self.matrix
@@ -281,68 +300,4 @@ fn mean_row(factors: &dyn FormFactors, patch: usize, row: &mut Row) -> Collected
         absorbed: mean(|band| band.absorbed),
         transmitted: mean(|band| band.transmitted),
     }
-}
-
-/// Whether the matrix is to be sparse; refuses what would not fit.
-fn choose_storage(
-    factors: &dyn FormFactors,
-    surfaces: &Surfaces,
-    options: MatrixOptions,
-) -> Result<bool, RadiosityError> {
-    let n = surfaces.len();
-    let dense = n.saturating_mul(n).saturating_mul(4);
-    let limit = options.memory_limit;
-    if options.storage == Storage::Dense
-        || (options.storage == Storage::Auto && dense <= SMALL.min(limit))
-    {
-        return if dense > limit {
-            Err(too_large(n, dense, limit))
-        } else {
-            Ok(false)
-        };
-    }
-    let share = sampled_share(factors, surfaces);
-    let is_sparse = options.storage == Storage::Sparse || share < SPARSE_BELOW;
-    // A sparse entry takes a column besides its value.
-    let needed = if is_sparse {
-        to_bytes(2.0 * dense as f64 * share)
-    } else {
-        dense
-    };
-    if needed > limit {
-        return Err(too_large(n, needed, limit));
-    }
-    Ok(is_sparse)
-}
-
-/// Share of entries that are not zero in the rows of some patches, evenly picked.
-fn sampled_share(factors: &dyn FormFactors, surfaces: &Surfaces) -> f64 {
-    let patches = factors.mesh().patches().len();
-    let rows = patches.min(SAMPLED_ROWS);
-    let counts: Vec<usize> = (0..rows)
-        .into_par_iter()
-        .map_init(Row::default, |row, k| {
-            let row = mean_row(factors, k * patches / rows, row);
-            let columns = row.entries.iter();
-            let mut to: Vec<usize> = columns
-                .filter_map(|&(j, _)| surfaces.of_patch(j as usize))
-                .collect();
-            to.sort_unstable();
-            to.dedup();
-            to.len()
-        })
-        .collect();
-    ratio(
-        counts.iter().sum::<usize>() as f64,
-        (rows * surfaces.len()) as f64,
-    )
-}
-
-fn too_large(n: usize, bytes: usize, limit: usize) -> RadiosityError {
-    RadiosityError::Option(format!(
-        "the {n} x {n} form factors take about {} MiB, {} MiB are free for them; sum them over objects, or leave \
-         faces out",
-        (bytes >> 20) + 1,
-        limit >> 20
-    ))
 }

@@ -1,0 +1,133 @@
+//! Buffers and bindings in few words.
+
+use bytemuck::Pod;
+use hemicube_shaders::Shader;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{
+    BindGroup, BindGroupLayout, BindGroupLayoutEntry, BindingResource, BindingType, Buffer,
+    BufferBindingType, BufferUsages, ComputePipeline, Device, ShaderStages,
+};
+
+/// A buffer that shaders read, filled now.
+pub fn filled(device: &Device, label: &str, data: &[impl Pod], usage: BufferUsages) -> Buffer {
+    device.create_buffer_init(&BufferInitDescriptor {
+        label: Some(label),
+        contents: bytemuck::cast_slice(data),
+        usage,
+    })
+}
+
+/// A buffer of so many bytes; at least 16, because empty ones cannot be bound.
+pub fn empty(device: &Device, label: &str, bytes: u64, usage: BufferUsages) -> Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes.max(16).next_multiple_of(4),
+        usage,
+        mapped_at_creation: false,
+    })
+}
+
+/// What is bound at a place.
+pub fn binding(binding: u32, visibility: ShaderStages, ty: BindingType) -> BindGroupLayoutEntry {
+    BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty,
+        count: None,
+    }
+}
+
+/// A uniform buffer; `dynamic` if its offset is given when it is bound.
+pub fn uniform(dynamic: bool) -> BindingType {
+    BindingType::Buffer {
+        ty: BufferBindingType::Uniform,
+        has_dynamic_offset: dynamic,
+        min_binding_size: None,
+    }
+}
+
+/// A storage buffer.
+pub fn storage(read_only: bool) -> BindingType {
+    BindingType::Buffer {
+        ty: BufferBindingType::Storage { read_only },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    }
+}
+
+/// A layout whose bindings are numbered as they come.
+pub fn layout(
+    device: &Device,
+    label: &str,
+    visibility: ShaderStages,
+    types: &[BindingType],
+) -> BindGroupLayout {
+    let entries: Vec<BindGroupLayoutEntry> = (0..)
+        .zip(types)
+        .map(|(i, &ty)| binding(i, visibility, ty))
+        .collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some(label),
+        entries: &entries,
+    })
+}
+
+/// Resources for a layout, numbered as they come.
+pub fn bind(
+    device: &Device,
+    label: &str,
+    layout: &BindGroupLayout,
+    resources: &[BindingResource<'_>],
+) -> BindGroup {
+    let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
+        .zip(resources)
+        .map(|(binding, resource)| wgpu::BindGroupEntry {
+            binding,
+            resource: resource.clone(),
+        })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(label),
+        layout,
+        entries: &entries,
+    })
+}
+
+/// A shader as the device takes it.
+pub fn module(device: &Device, shader: &Shader) -> wgpu::ShaderModule {
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(shader.name),
+        source: wgpu::ShaderSource::Wgsl(shader.source.into()),
+    })
+}
+
+/// A compute pipeline of one entry point.
+pub fn compute(
+    device: &Device,
+    module: &wgpu::ShaderModule,
+    entry_point: &str,
+    layouts: &[&BindGroupLayout],
+) -> ComputePipeline {
+    let layouts: Vec<Option<&BindGroupLayout>> = layouts.iter().copied().map(Some).collect();
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(entry_point),
+        bind_group_layouts: &layouts,
+        immediate_size: 0,
+    });
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry_point),
+        layout: Some(&layout),
+        module,
+        entry_point: Some(entry_point),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    })
+}
+
+/// Workgroups along x and z for so many invocations of `size` each: a dimension holds at most 65,535.
+pub fn groups(invocations: u32, size: u32) -> (u32, u32) {
+    const MOST: u32 = 65_535;
+    let groups = invocations.div_ceil(size).max(1);
+    let z = groups.div_ceil(MOST);
+    (groups.div_ceil(z), z)
+}

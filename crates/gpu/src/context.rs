@@ -1,0 +1,305 @@
+//! Adapters and devices.
+
+use crate::error::GpuError;
+use core::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+use wgpu::{Adapter, Backends, Device, DeviceType, Features, Instance, Limits, Queue};
+
+/// Name of the environment variable that chooses an adapter where no option does.
+pub const ADAPTER_VARIABLE: &str = "HEMICUBE_ADAPTER";
+
+/// An adapter, as `hemicube adapters` lists it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AdapterReport {
+    /// Name of the device.
+    pub name: String,
+    /// Through which interface: `vulkan`, `metal`, `dx12`, `gl`.
+    pub backend: String,
+    /// `discrete`, `integrated`, `virtual`, `software` or `other`.
+    pub kind: &'static str,
+    /// Driver and its version.
+    pub driver: String,
+    /// Whether everything here runs on it; why not otherwise.
+    pub usable: Result<(), String>,
+    /// What it can do beyond that, which makes some things faster.
+    pub extras: Vec<&'static str>,
+    /// Largest buffer that a shader may read, in bytes.
+    pub max_binding: u64,
+    /// Longest side of a picture.
+    pub max_side: u32,
+}
+
+impl fmt::Display for AdapterReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({}, {})", self.name, self.backend, self.kind)
+    }
+}
+
+/// Features that are used where they are there, with their names in reports.
+const EXTRAS: [(Features, &str); 3] = [
+    (Features::TIMESTAMP_QUERY, "timestamps"),
+    (Features::SUBGROUP, "subgroups"),
+    (Features::EXPERIMENTAL_RAY_QUERY, "ray queries"),
+];
+
+/// What everything here needs.
+fn needed() -> Limits {
+    Limits {
+        max_storage_buffers_per_shader_stage: 8,
+        ..Limits::downlevel_defaults()
+    }
+}
+
+fn instance() -> Instance {
+    Instance::new(wgpu::InstanceDescriptor::new_without_display_handle())
+}
+
+fn adapters_of(instance: &Instance) -> Vec<Adapter> {
+    pollster::block_on(instance.enumerate_adapters(Backends::all()))
+}
+
+/// All adapters of this machine, the best first.
+pub fn adapters() -> Vec<AdapterReport> {
+    let mut all = adapters_of(&instance());
+    all.sort_by_key(rank);
+    all.iter().map(report).collect()
+}
+
+/// Discrete before integrated before software; OpenGL last.
+fn rank(adapter: &Adapter) -> (bool, u8) {
+    let info = adapter.get_info();
+    let kind = match info.device_type {
+        DeviceType::DiscreteGpu => 0,
+        DeviceType::IntegratedGpu => 1,
+        DeviceType::VirtualGpu => 2,
+        DeviceType::Other => 3,
+        DeviceType::Cpu => 4,
+    };
+    (info.backend == wgpu::Backend::Gl, kind)
+}
+
+fn report(adapter: &Adapter) -> AdapterReport {
+    let (info, limits, features) = (adapter.get_info(), adapter.limits(), adapter.features());
+    AdapterReport {
+        backend: info.backend.to_string(),
+        kind: match info.device_type {
+            DeviceType::DiscreteGpu => "discrete",
+            DeviceType::IntegratedGpu => "integrated",
+            DeviceType::VirtualGpu => "virtual",
+            DeviceType::Cpu => "software",
+            DeviceType::Other => "other",
+        },
+        driver: format!("{} {}", info.driver, info.driver_info)
+            .trim()
+            .to_owned(),
+        usable: lack(&limits).map_or(Ok(()), Err),
+        extras: EXTRAS
+            .iter()
+            .filter(|(feature, _)| features.contains(*feature))
+            .map(|&(_, name)| name)
+            .collect(),
+        max_binding: limits.max_storage_buffer_binding_size,
+        max_side: limits.max_texture_dimension_2d,
+        name: info.name,
+    }
+}
+
+/// The first limit that is too low, in words.
+fn lack(limits: &Limits) -> Option<String> {
+    let mut lack = None;
+    needed().check_limits_with_fail_fn(limits, true, |name, wanted, has| {
+        lack = Some(format!("{name} is {has}, {wanted} are needed"));
+    });
+    lack
+}
+
+/// A device with its queue, without a window.
+pub struct Context {
+    /// The adapter's name, for messages.
+    pub name: String,
+    /// Makes things.
+    pub device: Device,
+    /// Runs them.
+    pub queue: Queue,
+    /// What the device may do.
+    pub limits: Limits,
+    /// What went wrong outside of a call: the device was lost, its memory ran out.
+    failure: Arc<Mutex<Option<GpuError>>>,
+}
+
+impl fmt::Debug for Context {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Context")
+            .field("name", &self.name)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Context {
+    /// A device of the adapter whose name contains `wanted` in any case, else of the one that the environment variable
+    /// [`ADAPTER_VARIABLE`] names, else of the best.
+    ///
+    /// # Errors
+    /// No adapter fits, or its driver gives no device.
+    pub fn headless(wanted: Option<&str>) -> Result<Self, GpuError> {
+        let variable = std::env::var(ADAPTER_VARIABLE)
+            .ok()
+            .filter(|name| !name.is_empty());
+        let wanted = wanted.map(str::to_owned).or(variable);
+        let instance = instance();
+        let mut all = adapters_of(&instance);
+        all.sort_by_key(rank);
+        Self::of_adapter(&choose(&all, wanted.as_deref())?)
+    }
+
+    /// A device of an adapter that the caller has chosen, for example one that can draw into a window.
+    ///
+    /// # Errors
+    /// The driver gives no device.
+    pub fn of_adapter(adapter: &Adapter) -> Result<Self, GpuError> {
+        let name = adapter.get_info().name;
+        let optional = EXTRAS[0].0 | EXTRAS[1].0;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("hemicube"),
+            required_features: adapter.features() & optional,
+            // All that the adapter has: scenes are as large as they are.
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| {
+                GpuError::NoDevice {
+                    adapter: name.clone(),
+                    why: one_line(&e),
+                }
+            })?;
+        let failure = Arc::new(Mutex::new(None));
+        watch(&device, &name, &failure);
+        Ok(Self {
+            limits: device.limits(),
+            name,
+            device,
+            queue,
+            failure,
+        })
+    }
+
+    /// What went wrong since the device was made; it stays so.
+    pub fn failure(&self) -> Option<GpuError> {
+        self.failure
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Waits until everything that was submitted is done.
+    ///
+    /// # Errors
+    /// The device was lost or its memory ran out.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        match (self.failure(), polled) {
+            (Some(failure), _) => Err(failure),
+            (None, Err(e)) => Err(GpuError::Lost {
+                adapter: self.name.clone(),
+                why: one_line(&e),
+            }),
+            (None, Ok(_)) => Ok(()),
+        }
+    }
+
+    /// Refuses what does not fit a limit of the adapter.
+    ///
+    /// # Errors
+    /// It does not.
+    pub fn allow(&self, what: &str, needed: u64, allowed: u64, unit: &str) -> Result<(), GpuError> {
+        if needed <= allowed {
+            return Ok(());
+        }
+        Err(GpuError::Limit {
+            adapter: self.name.clone(),
+            what: what.to_owned(),
+            needed: format!("{needed} {unit}"),
+            allowed: format!("{allowed} {unit}"),
+        })
+    }
+}
+
+/// The adapter whose name contains `wanted`, or the first that can be used.
+fn choose(all: &[Adapter], wanted: Option<&str>) -> Result<Adapter, GpuError> {
+    let names = || {
+        all.iter()
+            .map(|a| format!("'{}'", a.get_info().name))
+            .collect::<Vec<_>>()
+    };
+    let fits = |adapter: &&Adapter| match wanted {
+        Some(wanted) => {
+            let name = adapter.get_info().name.to_lowercase();
+            name.contains(&wanted.to_lowercase())
+        }
+        None => lack(&adapter.limits()).is_none(),
+    };
+    let Some(adapter) = all.iter().find(fits) else {
+        return Err(GpuError::NoAdapter(match (all.is_empty(), wanted) {
+            (true, _) => String::from(
+                "this machine shows no adapter; install its Vulkan driver (Mesa's lavapipe draws in software)",
+            ),
+            (false, Some(wanted)) => {
+                format!(
+                    "no adapter's name contains '{wanted}'; there are {}",
+                    names().join(", ")
+                )
+            }
+            (false, None) => format!("none of {} can do all that is needed", names().join(", ")),
+        }));
+    };
+    match lack(&adapter.limits()) {
+        Some(lack) => Err(GpuError::NoAdapter(format!(
+            "'{}' cannot be used: {lack}",
+            adapter.get_info().name
+        ))),
+        None => Ok(adapter.clone()),
+    }
+}
+
+/// Keeps the first thing that goes wrong outside of a call.
+fn watch(device: &Device, name: &str, failure: &Arc<Mutex<Option<GpuError>>>) {
+    let keep = |failure: &Mutex<Option<GpuError>>, error: GpuError| {
+        failure
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .get_or_insert(error);
+    };
+    let (lost, adapter) = (failure.clone(), name.to_owned());
+    device.set_device_lost_callback(move |reason, why| {
+        // A device that is dropped is not missed.
+        if reason != wgpu::DeviceLostReason::Destroyed {
+            keep(
+                &lost,
+                GpuError::Lost {
+                    adapter: adapter.clone(),
+                    why: one_line(&why),
+                },
+            );
+        }
+    });
+    let (uncaptured, adapter) = (failure.clone(), name.to_owned());
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+        let (adapter, why) = (adapter.clone(), one_line(&error));
+        match error {
+            wgpu::Error::OutOfMemory { .. } => {
+                keep(&uncaptured, GpuError::OutOfMemory { adapter, why });
+            }
+            wgpu::Error::Validation { .. } => panic!("GPU calls are valid: {why}"),
+            wgpu::Error::Internal { .. } => keep(&uncaptured, GpuError::Lost { adapter, why }),
+        }
+    }));
+}
+
+fn one_line(error: &impl fmt::Display) -> String {
+    error
+        .to_string()
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ")
+}

@@ -1,0 +1,98 @@
+//! Sorted shooting with all its state on the device.
+
+use crate::hemicube::Viewpoint;
+use crate::{Shader, shader};
+use bytemuck::{Pod, Zeroable};
+
+/// Choosing the patch that shoots, spreading its light, measuring what is left.
+pub const SHOOTING: Shader = shader!("shooting", "hemicube_types");
+
+pub(crate) const SHADERS: [Shader; 1] = [SHOOTING];
+
+/// Sizes that all stages need.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct ShootingParams {
+    /// Elements.
+    pub elements: u32,
+    /// Patches.
+    pub patches: u32,
+    /// Groups of luminaires times bands.
+    pub channels: u32,
+    /// Unused.
+    pub padding: u32,
+}
+
+/// What a shot needs to know of an element.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct ElementLight {
+    /// Exposed area.
+    pub area: f32,
+    /// 0 where nothing of it is exposed.
+    pub inverse_area: f32,
+    /// Unused.
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
+    /// Of each band.
+    pub reflectance: [f32; 3],
+    /// Unused.
+    pub padding_2: u32,
+}
+
+/// A patch: its elements and its hemicubes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct ShootingPatch {
+    /// Its first element.
+    pub first_element: u32,
+    /// Number of its elements.
+    pub elements: u32,
+    /// Where its hemicubes stand: the first.
+    pub first_view: u32,
+    /// Number of its hemicubes.
+    pub views: u32,
+}
+
+/// Where a hemicube of a patch stands.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct ShotView {
+    /// Its place and frame.
+    pub viewpoint: Viewpoint,
+    /// Share of the patch that it stands for.
+    pub weight: f32,
+    /// Unused.
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
+    /// Unused.
+    pub padding_2: u32,
+}
+
+/// Where the solver is.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct ShotState {
+    /// The patch that shoots.
+    pub shooter: u32,
+    /// Which of its hemicubes is drawn.
+    pub view: u32,
+    /// How many it has; 0 if nobody has anything to shoot.
+    pub views: u32,
+    /// Patches that have begun to shoot.
+    pub shots: u32,
+    /// Share of the patch that the hemicube stands for.
+    pub weight: f32,
+    /// Unshot flux over all patches, absolute, when it was last looked at.
+    pub unshot: f32,
+    /// The most that one patch has.
+    pub largest: f32,
+    /// 1 if no patch may begin to shoot.
+    pub holds: u32,
+}
+
+/// Numbers of each channel behind the light: flux shot, flux absorbed by backs, flux escaped; the last two with what
+/// their sums have lost to rounding.
+pub const CHANNEL_WORDS: u32 = 5;
