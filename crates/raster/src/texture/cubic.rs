@@ -83,7 +83,13 @@ impl<T: Texel> Reader<'_, T> {
             && row < height
         {
             let texels = &self.level.row(row)[column..column + 4];
-            return [texels[0], texels[1], texels[2], texels[3]].map(|t| t.decode(self.codec));
+            let decode = |texel: T| texel.decode(self.codec);
+            return [
+                decode(texels[0]),
+                decode(texels[1]),
+                decode(texels[2]),
+                decode(texels[3]),
+            ];
         }
         [0, 1, 2, 3].map(|k| self.texel(x + k, y))
     }

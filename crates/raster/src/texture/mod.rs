@@ -3,7 +3,7 @@
 //! [`Texture`] is a chain of mip levels, [`Sampler`] says how it is read: addressing ([`Wrap`]), magnification
 //! ([`Magnify`]) and minification ([`Minify`]), after the Vulkan specification (chapter "Image Operations", from texel
 //! coordinates to level of detail). [`Ripmap`] and [`SummedAreaTable`] are the two other classical prefiltered forms;
-//! [`TexcoordPlanes`] gives the derivatives that all of them want.
+//! [`NormalMap`] keeps the variance of normals, [`TexcoordPlanes`] gives the derivatives that all of them want.
 //!
 //! # Conventions
 //! Texture coordinates have their origin in the upper left corner of the picture, u points right and v down, as in glTF.
@@ -32,6 +32,7 @@ mod cubic;
 mod ewa;
 mod lod;
 mod mipmap;
+mod normal_map;
 mod ripmap;
 mod sampler;
 mod summed_area;
@@ -43,6 +44,7 @@ pub use chain::{Alpha, Encoding, Texture, TextureError, TextureOptions, straight
 pub use cubic::Cubic;
 pub use lod::{AnisotropicLod, Footprint, Log2, nearest_level};
 pub use mipmap::MipFilter;
+pub use normal_map::{FilteredNormal, NormalMap};
 pub use ripmap::Ripmap;
 pub use sampler::{Magnify, Minify, Sampler, Shape};
 pub use summed_area::SummedAreaTable;
