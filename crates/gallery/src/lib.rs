@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod exhibit;
+mod textures;
 
 pub use exhibit::{Exhibit, GalleryError, Piece, Request};
 
@@ -17,4 +18,17 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[];
+const ROOMS: &[&[Exhibit]] = &[textures::EXHIBITS];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_told_apart() {
+        let names: Vec<&str> = exhibits().map(|e| e.name).collect();
+        for (i, name) in names.iter().enumerate() {
+            assert!(!names[..i].contains(name), "{name} twice");
+        }
+    }
+}
