@@ -211,6 +211,19 @@ fn coordinates_without_number_read_the_origin() {
 }
 
 #[test]
+fn huge_footprints_do_not_overflow() {
+    let texture = texture(&noise(11, 6));
+    for minify in MINIFY {
+        let sampler = Sampler::default().with_minify(minify).with_ewa_radius(8.0);
+        for exponent in 0..127_i16 {
+            let size = f32::from(exponent).exp2();
+            let found = sampler.sample_grad(&texture, Vec2::ZERO, Vec2::new(size, 0.0), Vec2::Y);
+            assert!(found.is_finite(), "{minify:?}, 2^{exponent}: {found}");
+        }
+    }
+}
+
+#[test]
 fn pictures_without_texels_are_refused() {
     let empty = Image::filled(0, 3, [0.0; 4]);
     let error = Texture::new(&empty, &TextureOptions::default()).expect_err("no texel");

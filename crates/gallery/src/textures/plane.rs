@@ -19,7 +19,7 @@ const SKY: Rgb = Rgb::new(0.55, 0.7, 0.9);
 pub(super) fn checks() -> Image<Rgb> {
     let cell = SIDE / CHECKS;
     super::sheet::picture(SIDE, SIDE, |x, y| {
-        Rgb::splat(if (x / cell + y / cell) % 2 == 0 {
+        Rgb::splat(if (x / cell + y / cell).is_multiple_of(2) {
             BRIGHT
         } else {
             DARK

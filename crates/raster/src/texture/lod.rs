@@ -75,6 +75,13 @@ impl Footprint {
         (self.dx.length_squared() + self.dy.length_squared()).is_finite()
     }
 
+    /// Whether squares of its sides can be counted with; what is larger, or NaN, counts as infinite.
+    #[inline]
+    pub(super) fn is_countable(&self) -> bool {
+        const LARGEST_SQUARE: f32 = 1e28;
+        self.dx.length_squared() + self.dy.length_squared() < LARGEST_SQUARE
+    }
+
     /// `log2 max(rho_x, rho_y)`, where rho are the lengths of the two derivatives: 0 for pixels as large as texels,
     /// minus infinity for none at all.
     #[inline]

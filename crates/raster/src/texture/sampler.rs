@@ -311,7 +311,7 @@ impl<'a, T: Texel> Chain<'a, T> {
     fn with_footprint(&self, uv: DVec2, ddx: Vec2, ddy: Vec2) -> Vec4 {
         let base = &self.levels[0];
         let mut footprint = Footprint::new(ddx, ddy, (base.width, base.height));
-        if !footprint.is_finite() {
+        if !footprint.is_countable() {
             return self.at_lod(uv, f32::INFINITY);
         }
         if self.sampler.shape == Shape::Ellipse || self.sampler.minify == Minify::Ewa {

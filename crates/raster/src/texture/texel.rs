@@ -235,7 +235,7 @@ impl<T: Texel> Reader<'_, T> {
     clippy::cast_sign_loss,
     reason = "checked by the caller"
 )]
-fn inside_index(i: i64) -> usize {
+pub(super) fn inside_index(i: i64) -> usize {
     i as usize
 }
 
