@@ -13,6 +13,21 @@
 //! and samples are premultiplied; [`straight`] divides again. Coordinates that are not finite read as 0, derivatives that
 //! are not finite read the coarsest level.
 //!
+//! # How well filters do
+//! A chequered plane to the horizon, root of the mean square error in linear light (checks of 0.05 and 0.9) against 4096
+//! points per pixel, as the gallery's exhibit `minification` measures it:
+//!
+//! | filter | error |
+//! |---|---|
+//! | [`Minify::Point`], [`Minify::Bilinear`] | 0.161, 0.157 |
+//! | [`Minify::NearestMipmap`], [`Minify::Trilinear`] | 0.066, 0.063 |
+//! | [`SummedAreaTable`], [`Ripmap`] | 0.044, 0.043 |
+//! | [`Minify::Ewa`] (at most 16) | 0.017 |
+//! | [`Minify::Anisotropic`] (at most 16) | 0.014 |
+//!
+//! The reference is the mean over the square of a pixel, which samples along the footprint imitate better than a Gaussian
+//! does; the Gaussian in turn has no preferred direction.
+//!
 //! ```
 //! use glam::Vec2;
 //! use hemicube_raster::Image;

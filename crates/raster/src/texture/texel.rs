@@ -126,6 +126,10 @@ impl ByteTable {
 }
 
 /// One level of a mip chain, row by row.
+///
+/// Rows, not tiles: at the texel or two per step that mip levels bring, a bilinear sample in floats took 4.5 to 5.3 ns in
+/// rows and 5.4 to 6.5 ns in tiles of 4 x 4, along u, along v and across alike; tiles pay where the largest level is read
+/// in long steps, which is what mip levels are there to avoid. Rows also let a filter read a slice.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Level<T> {
     pub(super) width: usize,
