@@ -111,7 +111,7 @@ impl Footprint {
         }
     }
 
-    /// Samples along the longer derivative, after Direct3D 11.3 (7.18.11): the ratio is that of the longer side's square
+    /// Samples along the longer derivative, after Direct3D 11.3 (7.18): the ratio is that of the longer side's square
     /// to the *area*, which is right for sheared footprints too; footprints narrower than a texel take fewer samples.
     pub fn d3d_anisotropic_lod(&self, max_anisotropy: f32, log2: Log2) -> AnisotropicLod {
         let area = self.dx.perp_dot(self.dy).abs();
@@ -141,7 +141,7 @@ impl Footprint {
         }
     }
 
-    /// The axes of the ellipse that the parallelogram's circle becomes (Heckbert 1989, as in Direct3D 11.3, 7.18.10):
+    /// The axes of the ellipse that the parallelogram's circle becomes (Heckbert 1989, as in Direct3D 11.3, 7.18):
     /// perpendicular derivatives of the same footprint, the longer one first.
     ///
     /// They are the singular vectors of the derivatives' matrix times its singular values; the longer of two derivatives
