@@ -12,6 +12,7 @@ mod csg;
 mod exhibit;
 mod field;
 mod stage;
+mod textures;
 mod two_part;
 
 pub use exhibit::{Exhibit, GalleryError, Piece, Request};
@@ -22,4 +23,17 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS, two_part::EXHIBITS, bumps::EXHIBITS];
+const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS, two_part::EXHIBITS, bumps::EXHIBITS, textures::EXHIBITS];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_told_apart() {
+        let names: Vec<&str> = exhibits().map(|e| e.name).collect();
+        for (i, name) in names.iter().enumerate() {
+            assert!(!names[..i].contains(name), "{name} twice");
+        }
+    }
+}

@@ -8,6 +8,8 @@
 //! coordinates before), [`tonemap`] brings light into the range of a display, [`image`] holds and stores pictures (PNG in
 //! sRGB, OpenEXR in linear light). Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
 //! [`colormap`] shows numbers as colours: perceptually even tables, isolines, element edges.
+//! sRGB, OpenEXR in linear light), [`texture`] reads pictures through every filter from point sampling to elliptical
+//! weighted averages. Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
 #![forbid(unsafe_code)]
 
 pub mod antialias;

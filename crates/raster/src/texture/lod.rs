@@ -75,6 +75,13 @@ impl Footprint {
         (self.dx.length_squared() + self.dy.length_squared()).is_finite()
     }
 
+    /// Whether squares of its sides can be counted with; what is larger, or NaN, counts as infinite.
+    #[inline]
+    pub(super) fn is_countable(&self) -> bool {
+        const LARGEST_SQUARE: f32 = 1e28;
+        self.dx.length_squared() + self.dy.length_squared() < LARGEST_SQUARE
+    }
+
     /// `log2 max(rho_x, rho_y)`, where rho are the lengths of the two derivatives: 0 for pixels as large as texels,
     /// minus infinity for none at all.
     #[inline]
@@ -104,7 +111,7 @@ impl Footprint {
         }
     }
 
-    /// Samples along the longer derivative, after Direct3D 11.3 (7.18.11): the ratio is that of the longer side's square
+    /// Samples along the longer derivative, after Direct3D 11.3 (7.18): the ratio is that of the longer side's square
     /// to the *area*, which is right for sheared footprints too; footprints narrower than a texel take fewer samples.
     pub fn d3d_anisotropic_lod(&self, max_anisotropy: f32, log2: Log2) -> AnisotropicLod {
         let area = self.dx.perp_dot(self.dy).abs();
@@ -134,7 +141,7 @@ impl Footprint {
         }
     }
 
-    /// The axes of the ellipse that the parallelogram's circle becomes (Heckbert 1989, as in Direct3D 11.3, 7.18.10):
+    /// The axes of the ellipse that the parallelogram's circle becomes (Heckbert 1989, as in Direct3D 11.3, 7.18):
     /// perpendicular derivatives of the same footprint, the longer one first.
     ///
     /// They are the singular vectors of the derivatives' matrix times its singular values; the longer of two derivatives

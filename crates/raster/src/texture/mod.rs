@@ -3,7 +3,7 @@
 //! [`Texture`] is a chain of mip levels, [`Sampler`] says how it is read: addressing ([`Wrap`]), magnification
 //! ([`Magnify`]) and minification ([`Minify`]), after the Vulkan specification (chapter "Image Operations", from texel
 //! coordinates to level of detail). [`Ripmap`] and [`SummedAreaTable`] are the two other classical prefiltered forms;
-//! [`TexcoordPlanes`] gives the derivatives that all of them want.
+//! [`NormalMap`] keeps the variance of normals, [`TexcoordPlanes`] gives the derivatives that all of them want.
 //!
 //! # Conventions
 //! Texture coordinates have their origin in the upper left corner of the picture, u points right and v down, as in glTF.
@@ -11,7 +11,22 @@
 //!
 //! Filtering is done in linear light. With [`Alpha::Coverage`] colours are multiplied by alpha before anything is averaged,
 //! and samples are premultiplied; [`straight`] divides again. Coordinates that are not finite read as 0, derivatives that
-//! are not finite read the coarsest level.
+//! are not finite read the coarsest level that the filter knows.
+//!
+//! # How well filters do
+//! A chequered plane to the horizon, root of the mean square error in linear light (checks of 0.05 and 0.9) against 4096
+//! points per pixel, as the gallery's exhibit `minification` measures it:
+//!
+//! | filter | error |
+//! |---|---|
+//! | [`Minify::Point`], [`Minify::Bilinear`] | 0.161, 0.157 |
+//! | [`Minify::NearestMipmap`], [`Minify::Trilinear`] | 0.066, 0.063 |
+//! | [`SummedAreaTable`], [`Ripmap`] | 0.044, 0.043 |
+//! | [`Minify::Ewa`] (at most 16) | 0.017 |
+//! | [`Minify::Anisotropic`] (at most 16) | 0.014 |
+//!
+//! The reference is the mean over the square of a pixel, which samples along the footprint imitate better than a Gaussian
+//! does; the Gaussian in turn has no preferred direction.
 //!
 //! ```
 //! use glam::Vec2;
@@ -32,6 +47,7 @@ mod cubic;
 mod ewa;
 mod lod;
 mod mipmap;
+mod normal_map;
 mod ripmap;
 mod sampler;
 mod summed_area;
@@ -43,6 +59,7 @@ pub use chain::{Alpha, Encoding, Texture, TextureError, TextureOptions, straight
 pub use cubic::Cubic;
 pub use lod::{AnisotropicLod, Footprint, Log2, nearest_level};
 pub use mipmap::MipFilter;
+pub use normal_map::{FilteredNormal, NormalMap};
 pub use ripmap::Ripmap;
 pub use sampler::{Magnify, Minify, Sampler, Shape};
 pub use summed_area::SummedAreaTable;

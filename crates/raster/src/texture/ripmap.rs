@@ -3,7 +3,7 @@
 use super::chain::{Texture, TextureOptions};
 use super::lod::linear_levels;
 use super::mipmap::{AxisFilter, halved, resampled};
-use super::sampler::{Sampler, finite};
+use super::sampler::Sampler;
 use super::texel::{Level, Reader};
 use glam::{Vec2, Vec4};
 
@@ -53,7 +53,7 @@ impl Ripmap {
     /// The texture as a pixel sees it: its wrapping and border are the sampler's, and its level of detail along u is that
     /// of the larger of the two changes of u, along v likewise; four copies are blended.
     pub fn sample_grad(&self, sampler: &Sampler, uv: Vec2, ddx: Vec2, ddy: Vec2) -> Vec4 {
-        let uv = finite(uv);
+        let uv = sampler.place(uv);
         let size = Vec2::new(self.levels[0].width as f32, self.levels[0].height as f32);
         let extent = ddx.abs().max(ddy.abs()) * size;
         let rows = self.levels.len() / self.columns;

@@ -126,6 +126,10 @@ impl ByteTable {
 }
 
 /// One level of a mip chain, row by row.
+///
+/// Rows, not tiles: at the texel or two per step that mip levels bring, a bilinear sample in floats took 4.5 to 5.3 ns in
+/// rows and 5.4 to 6.5 ns in tiles of 4 x 4, along u, along v and across alike; tiles pay where the largest level is read
+/// in long steps, which is what mip levels are there to avoid. Rows also let a filter read a slice.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Level<T> {
     pub(super) width: usize,
@@ -175,18 +179,14 @@ impl<T: Texel> Reader<'_, T> {
         self.level.texels[y * self.level.width + x].decode(self.codec)
     }
 
-    /// Coordinates in texels: 0 is the left or upper edge of the first one.
-    #[inline]
+    /// Reduced coordinates ([`Wrap::reduce`]) in texels: 0 is the left or upper edge of the first one.
+    #[inline(always)]
     pub(super) fn position(&self, uv: DVec2) -> DVec2 {
-        let [wrap_u, wrap_v] = self.wrap;
-        DVec2::new(
-            wrap_u.reduce(uv.x) * self.level.width as f64,
-            wrap_v.reduce(uv.y) * self.level.height as f64,
-        )
+        uv * DVec2::new(self.level.width as f64, self.level.height as f64)
     }
 
     /// The texel that holds a point.
-    #[inline]
+    #[inline(always)]
     pub(super) fn nearest(&self, uv: DVec2) -> Vec4 {
         let at = self.position(uv);
         self.texel(split(at.x).0, split(at.y).0)
@@ -195,7 +195,7 @@ impl<T: Texel> Reader<'_, T> {
     /// The mean of the four texels around a point, weighted by nearness.
     ///
     /// As nested `a + t (b - a)`: equal texels give exactly their value.
-    #[inline]
+    #[inline(always)]
     pub(super) fn bilinear(&self, uv: DVec2) -> Vec4 {
         let at = self.position(uv) - 0.5;
         let ((x, fx), (y, fy)) = (split(at.x), split(at.y));
@@ -205,26 +205,46 @@ impl<T: Texel> Reader<'_, T> {
     }
 
     /// Texels `(x, y)`, `(x + 1, y)`, `(x, y + 1)`, `(x + 1, y + 1)`.
-    #[inline]
+    #[inline(always)]
     fn quad(&self, x: i64, y: i64) -> [Vec4; 4] {
         let (width, height) = (self.level.width, self.level.height);
-        if let (Ok(column), Ok(row)) = (usize::try_from(x), usize::try_from(y))
-            && column + 1 < width
-            && row + 1 < height
-        {
-            let first = row * width + column;
-            let (upper, lower) = (
-                &self.level.texels[first..first + 2],
-                &self.level.texels[first + width..first + width + 2],
-            );
-            return [upper[0], upper[1], lower[0], lower[1]].map(|t| t.decode(self.codec));
+        let (column, row) = (x.cast_unsigned(), y.cast_unsigned());
+        // Negative ones are huge now.
+        if column < width as u64 - 1 && row < height as u64 - 1 {
+            let [column, row] = [x, y].map(inside_index);
+            let upper = &self.level.texels[row * width + column..][..2];
+            let lower = &self.level.texels[(row + 1) * width + column..][..2];
+            let decode = |texel: T| texel.decode(self.codec);
+            return [
+                decode(upper[0]),
+                decode(upper[1]),
+                decode(lower[0]),
+                decode(lower[1]),
+            ];
         }
+        self.quad_at_edge(x, y)
+    }
+
+    /// The same where addressing has a say.
+    #[cold]
+    fn quad_at_edge(&self, x: i64, y: i64) -> [Vec4; 4] {
         [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].map(|(x, y)| self.texel(x, y))
     }
 }
 
+/// An index that lies within a side.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "checked by the caller"
+)]
+pub(super) fn inside_index(i: i64) -> usize {
+    i as usize
+}
+
 /// The whole part and the fraction of a position in texels.
-#[inline]
+#[inline(always)]
 #[expect(
     clippy::cast_possible_truncation,
     reason = "reduced positions fit; the fraction is rounded to f32"
