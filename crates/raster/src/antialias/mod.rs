@@ -24,6 +24,7 @@
 //! # Ok::<(), hemicube_raster::antialias::AntialiasingError>(())
 //! ```
 
+pub mod area;
 mod filter;
 mod name;
 mod pattern;
