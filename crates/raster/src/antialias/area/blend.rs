@@ -54,7 +54,7 @@ impl<'a, P: Pixel> Blend<'a, P> {
             width: image.width(),
             pixels: image.pixels_mut(),
             value,
-            opacity: opacity.max(0.0).min(1.0),
+            opacity: if opacity > 0.0 { opacity.min(1.0) } else { 0.0 },
         }
     }
 }
