@@ -41,18 +41,27 @@ impl Pixel for u8 {
 /// Blends one value into a picture wherever there is coverage.
 #[derive(Debug)]
 pub struct Blend<'a, P> {
-    width: usize,
     pixels: &'a mut [P],
+    width: usize,
+    first_row: usize,
     value: P,
     opacity: f32,
 }
 
 impl<'a, P: Pixel> Blend<'a, P> {
-    /// Blends with a value; an opacity outside of [0, 1] is drawn to its ends, NaN counts as 0.
-    pub fn new(image: &'a mut Image<P>, value: P, opacity: f32) -> Self {
+    /// Blends a value into rows of pixels of a width, of which the first one is row `first_row`; an opacity outside of
+    /// [0, 1] is drawn to its ends, NaN counts as 0.
+    pub fn new(
+        pixels: &'a mut [P],
+        width: usize,
+        first_row: usize,
+        value: P,
+        opacity: f32,
+    ) -> Self {
         Self {
-            width: image.width(),
-            pixels: image.pixels_mut(),
+            pixels,
+            width,
+            first_row,
             value,
             opacity: if opacity > 0.0 { opacity.min(1.0) } else { 0.0 },
         }
@@ -62,7 +71,7 @@ impl<'a, P: Pixel> Blend<'a, P> {
 impl<P: Pixel> Spans for Blend<'_, P> {
     #[inline]
     fn cells(&mut self, y: usize, x: usize, coverage: &[f32]) {
-        let pixels = &mut self.pixels[y * self.width + x..][..coverage.len()];
+        let pixels = &mut self.pixels[(y - self.first_row) * self.width + x..][..coverage.len()];
         for (pixel, &coverage) in pixels.iter_mut().zip(coverage) {
             *pixel = pixel.blend(self.value, coverage * self.opacity);
         }
@@ -70,7 +79,7 @@ impl<P: Pixel> Spans for Blend<'_, P> {
 
     #[inline]
     fn run(&mut self, y: usize, start: usize, end: usize, coverage: f32) {
-        let pixels = &mut self.pixels[y * self.width..][start..end];
+        let pixels = &mut self.pixels[(y - self.first_row) * self.width..][start..end];
         let share = coverage * self.opacity;
         if share == 1.0 {
             fill(pixels, self.value);

@@ -1,6 +1,7 @@
 //! Contours cut into chains that run down, inside the picture.
 
 use super::Outline;
+use core::ops::Range;
 use glam::DVec2;
 
 /// A straight piece of a chain; no part of it is horizontal or outside of the picture.
@@ -42,20 +43,33 @@ pub(super) struct Chain {
 pub(super) struct Chains {
     pub segments: Vec<Segment>,
     pub chains: Vec<Chain>,
+    /// The winding number inside, if the outline is one convex contour.
+    pub convex: Option<i32>,
     width: f64,
-    height: f64,
+    top: f64,
+    bottom: f64,
 }
 
 impl Chains {
     /// Cuts an outline at the edges of a picture and where it turns up or down.
-    pub fn set(&mut self, outline: &Outline, width: usize, height: usize) {
+    pub fn set(&mut self, outline: &Outline, width: usize, rows: &Range<usize>) {
         self.segments.clear();
         self.chains.clear();
-        (self.width, self.height) = (width as f64, height as f64);
-        if outline.is_finite() {
-            for contour in outline.contours() {
-                self.add(contour);
-            }
+        self.width = width as f64;
+        (self.top, self.bottom) = (rows.start as f64, rows.end as f64);
+        self.convex = None;
+        if !outline.is_finite() {
+            return;
+        }
+        let mut contours = 0;
+        for contour in outline.contours() {
+            self.add(contour);
+            contours += 1;
+            self.convex = if contours == 1 {
+                convex_winding(contour)
+            } else {
+                None
+            };
         }
         self.chains.sort_unstable_by(|a, b| a.top.total_cmp(&b.top));
     }
@@ -103,12 +117,12 @@ impl Chains {
         } else {
             (to, from)
         };
-        if lower.y <= 0.0 || upper.y >= self.height {
+        if lower.y <= self.top || upper.y >= self.bottom {
             return;
         }
         let slope = (lower.x - upper.x) / (lower.y - upper.y);
-        let top = upper.y.max(0.0);
-        let bottom = lower.y.min(self.height);
+        let top = upper.y.max(self.top);
+        let bottom = lower.y.min(self.bottom);
         // From the nearer end, so that little is lost where an edge is far longer than the picture.
         let near = |y: f64| match y - upper.y < lower.y - y {
             true => upper.x + (y - upper.y) * slope,
@@ -156,4 +170,31 @@ impl Chains {
             self.segments[first..].reverse();
         }
     }
+}
+
+/// The winding number inside of a convex contour; none if it is not convex: it turns to one side only, and its y turns
+/// back twice, so it goes around once.
+fn convex_winding(contour: &[DVec2]) -> Option<i32> {
+    let count = contour.len();
+    let mut before = contour[count - 1] - contour[count.checked_sub(2)?];
+    let mut from = contour[count - 1];
+    let (mut turns_left, mut turns_right) = (false, false);
+    let (mut first_down, mut down, mut changes) = (None, None, 0);
+    for &to in contour {
+        let edge = to - from;
+        let turn = before.perp_dot(edge);
+        turns_left |= turn < 0.0;
+        turns_right |= turn > 0.0;
+        if turns_left && turns_right {
+            return None;
+        }
+        if edge.y != 0.0 {
+            changes += i32::from(down.is_some_and(|down| down != (edge.y > 0.0)));
+            down = Some(edge.y > 0.0);
+            first_down = first_down.or(down);
+        }
+        (before, from) = (edge, to);
+    }
+    changes += i32::from(down != first_down);
+    (changes == 2).then_some(if turns_right { -1 } else { 1 })
 }

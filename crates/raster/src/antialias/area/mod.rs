@@ -32,11 +32,13 @@ mod accumulate;
 mod blend;
 mod chain;
 mod outline;
+mod paint;
 mod rasterizer;
 mod winding;
 
 pub use blend::{Blend, Pixel, mask, mask8};
 pub use outline::Outline;
+pub use paint::{Area, paint};
 pub use rasterizer::{Rasterizer, Spans};
 
 /// Which points lie inside of contours.

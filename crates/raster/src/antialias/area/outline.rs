@@ -162,6 +162,16 @@ impl Outline {
         .filter(|contour| !contour.is_empty())
     }
 
+    /// Least and largest y of all points; none if there are none or the outline is not finite.
+    pub fn extent_y(&self) -> Option<[f64; 2]> {
+        if self.is_broken || self.points.is_empty() {
+            return None;
+        }
+        let wider = |[low, high]: [f64; 2], p: &DVec2| [low.min(p.y), high.max(p.y)];
+        let nothing = [f64::INFINITY, f64::NEG_INFINITY];
+        Some(self.points.iter().fold(nothing, wider))
+    }
+
     /// The last point of the open contour.
     fn current(&self) -> Option<DVec2> {
         let is_open = self.points.len() > self.ends.last().copied().unwrap_or(0);

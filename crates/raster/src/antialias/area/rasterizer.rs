@@ -5,6 +5,7 @@ use super::chain::{Chain, Chains};
 use super::winding::{Edge, Resolver, step};
 use super::{Blend, FillRule, Outline, Pixel};
 use crate::Image;
+use core::ops::Range;
 
 /// What becomes of coverage: rows come from top to bottom, and spans of a row from left to right. Pixels that are not
 /// named have none.
@@ -20,7 +21,7 @@ pub trait Spans {
 #[derive(Debug, Clone)]
 pub struct Rasterizer {
     width: usize,
-    height: usize,
+    rows: Range<usize>,
     chains: Chains,
     active: Vec<Active>,
     row: Row,
@@ -46,12 +47,18 @@ struct Row {
 /// The part of a chain in a row.
 #[derive(Debug, Clone, Copy)]
 struct Strand {
-    left: f64,
-    right: f64,
     /// Its first edge and the one behind its last.
     first: usize,
     end: usize,
     sign: i32,
+    walked: Walked,
+}
+
+/// What is known of a strand as a whole.
+#[derive(Debug, Clone, Copy)]
+struct Walked {
+    left: f64,
+    right: f64,
     /// Whether it runs from the row's top to its bottom.
     is_full: bool,
 }
@@ -59,9 +66,14 @@ struct Strand {
 impl Rasterizer {
     /// For pictures of so many pixels across and down.
     pub fn new(width: usize, height: usize) -> Self {
+        Self::for_rows(width, 0..height)
+    }
+
+    /// For some rows of a picture of so many pixels across; coordinates are those of the whole picture.
+    pub fn for_rows(width: usize, rows: Range<usize>) -> Self {
         Self {
             width,
-            height,
+            rows,
             chains: Chains::default(),
             active: Vec::new(),
             row: Row::default(),
@@ -72,11 +84,11 @@ impl Rasterizer {
 
     /// Hands out the coverage of an outline.
     pub fn rasterize(&mut self, outline: &Outline, rule: FillRule, spans: &mut impl Spans) {
-        self.chains.set(outline, self.width, self.height);
+        self.chains.set(outline, self.width, &self.rows);
         self.active.clear();
         let mut next = 0;
-        let mut y = 0;
-        while y < self.height {
+        let mut y = self.rows.start;
+        while y < self.rows.end {
             if self.active.is_empty() {
                 let Some(chain) = self.chains.chains.get(next) else {
                     break;
@@ -84,20 +96,21 @@ impl Rasterizer {
                 y = row_of(chain.top);
             }
             let bottom = (y + 1) as f64;
-            let waiting = &self.chains.chains[next..];
-            let begun = waiting.iter().take_while(|chain| chain.top < bottom);
-            let before = self.active.len();
-            self.active.extend(begun.map(Active::new));
-            next += self.active.len() - before;
-            self.row.collect(&self.chains, &mut self.active, y);
-            self.fill_row(y, rule, spans);
+            while let Some(chain) = self.chains.chains.get(next).filter(|c| c.top < bottom) {
+                self.active.push(Active::new(chain));
+                next += 1;
+            }
+            match self.chains.convex {
+                Some(winding) => self.convex_row(y, winding, spans),
+                None => self.row(y, rule, spans),
+            }
             y += 1;
         }
     }
 
     /// Blends an outline into a picture: `pixel + coverage opacity (value - pixel)`, in linear light.
     ///
-    /// Panics if the picture does not have this rasteriser's size.
+    /// Panics if the picture does not have this rasteriser's rows.
     pub fn fill<P: Pixel>(
         &mut self,
         outline: &Outline,
@@ -106,36 +119,36 @@ impl Rasterizer {
         value: P,
         opacity: f32,
     ) {
-        let size = (image.width(), image.height());
-        assert_eq!(size, (self.width, self.height), "size of the picture");
-        self.rasterize(outline, rule, &mut Blend::new(image, value, opacity));
+        let size = (image.width(), 0..image.height());
+        assert_eq!(size, (self.width, self.rows.clone()), "the picture");
+        let mut blend = Blend::new(image.pixels_mut(), self.width, 0, value, opacity);
+        self.rasterize(outline, rule, &mut blend);
     }
 
-    /// Turns the strands of a row into spans.
-    fn fill_row(&mut self, y: usize, rule: FillRule, spans: &mut impl Spans) {
+    /// A row of a convex contour: all edges count, and the winding number inside is known.
+    fn convex_row(&mut self, y: usize, winding: i32, spans: &mut impl Spans) {
+        let differences = &mut self.differences;
+        let chains = &self.chains;
+        self.active.retain_mut(|chain| {
+            let sign = f64::from(chain.sign * winding);
+            let strand = walk(chains, chain, y, |piece| differences.add(piece, sign));
+            differences.touch(strand.left, strand.right);
+            chain.segment < chain.end
+        });
+        differences.emit(y, |sum| sum.clamp(0.0, 1.0), spans);
+    }
+
+    /// A row of any outline.
+    fn row(&mut self, y: usize, rule: FillRule, spans: &mut impl Spans) {
+        self.row.collect(&self.chains, &mut self.active, y);
         self.row.sort();
-        let is_ordered = self.row.is_ordered();
-        let is_resolved = is_ordered || self.resolve(rule);
-        if is_ordered {
+        if self.row.is_ordered() {
             self.add_ordered(rule);
-        } else if !is_resolved {
+        } else if !self.resolve(rule) {
             self.add_unordered();
+            return self.differences.emit(y, |mean| rule.fold(mean), spans);
         }
-        let fold = move |sum: f32| match is_resolved {
-            true => sum.clamp(0.0, 1.0),
-            false => rule.fold(sum),
-        };
-        let shared = core::cell::RefCell::new(spans);
-        self.differences.take(
-            self.width,
-            fold,
-            |x, coverage| shared.borrow_mut().cells(y, x, coverage),
-            |start, end, coverage| {
-                if coverage > 0.0 {
-                    shared.borrow_mut().run(y, start, end, coverage);
-                }
-            },
-        );
+        self.differences.emit(y, |sum| sum.clamp(0.0, 1.0), spans);
     }
 
     /// Strands side by side: the winding number is counted from left to right.
@@ -147,7 +160,8 @@ impl Rasterizer {
                 for edge in &self.row.edges[strand.first..strand.end] {
                     self.differences.add(&edge.piece, change);
                 }
-                self.differences.touch(strand.left, strand.right);
+                self.differences
+                    .touch(strand.walked.left, strand.walked.right);
             }
         }
     }
@@ -169,7 +183,8 @@ impl Rasterizer {
             for edge in &self.row.edges[strand.first..strand.end] {
                 self.differences.add(&edge.piece, f64::from(edge.sign));
             }
-            self.differences.touch(strand.left, strand.right);
+            self.differences
+                .touch(strand.walked.left, strand.walked.right);
         }
     }
 }
@@ -190,61 +205,73 @@ impl Row {
     fn collect(&mut self, chains: &Chains, active: &mut Vec<Active>, y: usize) {
         self.edges.clear();
         self.strands.clear();
-        active.retain_mut(|chain| self.collect_strand(chains, chain, y));
-    }
-
-    /// Collects the part of a chain in a row; returns whether the chain goes on below.
-    #[inline]
-    fn collect_strand(&mut self, chains: &Chains, chain: &mut Active, y: usize) -> bool {
-        let (row_top, row_bottom) = (y as f64, (y + 1) as f64);
-        let first = self.edges.len();
-        let start = chains.segments[chain.segment].top;
-        let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
-        let end = loop {
-            let segment = &chains.segments[chain.segment];
-            let top = segment.top.max(row_top);
-            let bottom = segment.bottom.min(row_bottom);
-            let (x_top, x_bottom) = (segment.x_at(top), segment.x_at(bottom));
-            left = left.min(x_top).min(x_bottom);
-            right = right.max(x_top).max(x_bottom);
-            let piece = Piece {
-                top,
-                bottom,
-                x_top,
-                x_bottom,
-            };
+        active.retain_mut(|chain| {
+            let first = self.edges.len();
             let sign = chain.sign;
-            self.edges.push(Edge { piece, sign });
-            if segment.bottom > row_bottom {
-                break row_bottom;
-            }
-            chain.segment += 1;
-            if chain.segment == chain.end || segment.bottom == row_bottom {
-                break segment.bottom;
-            }
-        };
-        self.strands.push(Strand {
-            left,
-            right,
-            first,
-            end: self.edges.len(),
-            sign: chain.sign,
-            is_full: start <= row_top && end >= row_bottom,
+            let edge = |piece: &Piece| Edge {
+                piece: *piece,
+                sign,
+            };
+            let walked = walk(chains, chain, y, |piece| self.edges.push(edge(piece)));
+            self.strands.push(Strand {
+                first,
+                end: self.edges.len(),
+                sign,
+                walked,
+            });
+            chain.segment < chain.end
         });
-        chain.segment < chain.end
     }
 
     /// Sorts the strands from left to right.
     fn sort(&mut self) {
-        if !self.strands.is_sorted_by(|a, b| a.left <= b.left) {
-            self.strands.sort_by(|a, b| a.left.total_cmp(&b.left));
+        if !self
+            .strands
+            .is_sorted_by(|a, b| a.walked.left <= b.walked.left)
+        {
+            self.strands
+                .sort_by(|a, b| a.walked.left.total_cmp(&b.walked.left));
         }
     }
 
     /// Whether no strand begins or ends or may cross another one.
     fn is_ordered(&self) -> bool {
-        let is_apart = |pair: &[Strand]| pair[0].right <= pair[1].left;
-        self.strands.iter().all(|strand| strand.is_full) && self.strands.windows(2).all(is_apart)
+        let is_apart = |pair: &[Strand]| pair[0].walked.right <= pair[1].walked.left;
+        self.strands.iter().all(|strand| strand.walked.is_full)
+            && self.strands.windows(2).all(is_apart)
+    }
+}
+
+/// Hands out the pieces of a chain in a row, and goes on to the segment with which the next row begins.
+#[inline]
+fn walk(chains: &Chains, chain: &mut Active, y: usize, mut each: impl FnMut(&Piece)) -> Walked {
+    let (row_top, row_bottom) = (y as f64, (y + 1) as f64);
+    let starts_above = chains.segments[chain.segment].top <= row_top;
+    let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+    loop {
+        let segment = &chains.segments[chain.segment];
+        let (top, bottom) = (segment.top.max(row_top), segment.bottom.min(row_bottom));
+        let (x_top, x_bottom) = (segment.x_at(top), segment.x_at(bottom));
+        left = left.min(x_top).min(x_bottom);
+        right = right.max(x_top).max(x_bottom);
+        each(&Piece {
+            top,
+            bottom,
+            x_top,
+            x_bottom,
+        });
+        if segment.bottom <= row_bottom {
+            chain.segment += 1;
+            if chain.segment < chain.end && segment.bottom < row_bottom {
+                continue;
+            }
+        }
+        let is_full = starts_above && bottom == row_bottom;
+        return Walked {
+            left,
+            right,
+            is_full,
+        };
     }
 }
 
