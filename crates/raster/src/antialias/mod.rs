@@ -24,6 +24,7 @@
 //! # Ok::<(), hemicube_raster::antialias::AntialiasingError>(())
 //! ```
 
+pub mod accuracy;
 pub mod area;
 mod filter;
 mod name;

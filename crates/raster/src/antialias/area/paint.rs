@@ -45,7 +45,7 @@ impl<'a, P> Area<'a, P> {
 }
 
 /// Bytes of a picture that are painted at a time: they stay in a core's cache while one area after the other is blended.
-const BAND_BYTES: usize = 1 << 19;
+const BAND_BYTES: usize = 1 << 18;
 
 /// Blends areas into a picture, the first one lowest; made by all threads, the same bits on any number of them.
 ///
@@ -59,17 +59,30 @@ pub fn paint<P: Pixel + Send + Sync>(image: &mut Image<P>, areas: &[Area<'_, P>]
     let rows = (BAND_BYTES / (width * size_of::<P>()).max(1)).clamp(8, height.max(8));
     let bins = bins(areas, height, rows);
     let bands = image.pixels_mut().par_chunks_mut(rows * width);
-    bands
-        .zip(bins)
-        .enumerate()
-        .for_each(|(band, (pixels, bin))| {
-            let first = band * rows;
-            let mut rasterizer = Rasterizer::for_rows(width, first..(first + rows).min(height));
-            for area in bin {
-                let mut blend = Blend::new(pixels, width, first, area.value, area.opacity);
-                rasterizer.rasterize(area.outline, area.rule, &mut blend);
-            }
-        });
+    let bands = bands.zip(bins).enumerate();
+    bands.for_each_init(Vec::new, |near, (band, (pixels, bin))| {
+        let first = band * rows;
+        let rows = first..(first + rows).min(height);
+        // Memory that was read in a row and is used again is faster than pixels here and there of a large picture.
+        near.clear();
+        near.extend_from_slice(pixels);
+        paint_band(near, width, rows, &bin);
+        pixels.copy_from_slice(near);
+    });
+}
+
+fn paint_band<P: Pixel>(
+    pixels: &mut [P],
+    width: usize,
+    rows: Range<usize>,
+    areas: &[&Area<'_, P>],
+) {
+    let first = rows.start;
+    let mut rasterizer = Rasterizer::for_rows(width, rows);
+    for area in areas {
+        let mut blend = Blend::new(pixels, width, first, area.value, area.opacity);
+        rasterizer.rasterize(area.outline, area.rule, &mut blend);
+    }
 }
 
 /// The areas that reach into each band of rows.
