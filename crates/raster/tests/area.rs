@@ -7,7 +7,9 @@
 
 use core::f64::consts::PI;
 use glam::{DVec2, dvec2};
-use hemicube_raster::antialias::area::{FillRule, Outline, Rasterizer, Spans, mask, mask8};
+use hemicube_raster::antialias::area::{
+    Area, FillRule, Outline, Rasterizer, Spans, mask, mask8, paint,
+};
 use hemicube_raster::{Image, Rgb};
 use proptest::prelude::*;
 
@@ -372,6 +374,67 @@ fn blending_is_linear_and_half_covered_white_is_188() {
             "opacity {opacity}"
         );
     }
+}
+
+#[test]
+fn areas_painted_at_once_are_those_painted_one_by_one() {
+    // 1500 x 90 pixels are several bands; shapes of all kinds, some outside, one that is no number.
+    let mut random = Random(7);
+    let mut outlines: Vec<Outline> = (0..60)
+        .map(|i| {
+            let corner = random.point(-100.0, 1500.0) * dvec2(1.0, 0.07);
+            let points = random.points(3 + i % 6, 0.0, 80.0);
+            Outline::polygon(points.into_iter().map(|p| p + corner))
+        })
+        .collect();
+    outlines.push(Outline::circle(dvec2(700.0, 45.0), 300.0));
+    outlines.push(Outline::polygon([dvec2(f64::NAN, 3.0)]));
+    outlines.push(Outline::new());
+    let mut color = || {
+        Rgb::new(
+            random.unit() as f32,
+            random.unit() as f32,
+            random.unit() as f32,
+        )
+    };
+    let areas: Vec<Area<'_, Rgb>> = outlines
+        .iter()
+        .enumerate()
+        .map(|(i, outline)| {
+            Area::new(outline, color())
+                .with_opacity([1.0, 0.4][i % 2])
+                .with_rule(RULES[i / 2 % 2])
+        })
+        .collect();
+    let mut expected = Image::filled(1500, 90, Rgb::BLACK);
+    let mut rasterizer = Rasterizer::new(1500, 90);
+    for area in &areas {
+        rasterizer.fill(
+            area.outline,
+            area.rule,
+            &mut expected,
+            area.value,
+            area.opacity,
+        );
+    }
+    let painted = |threads| {
+        let mut image = Image::filled(1500, 90, Rgb::BLACK);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("threads can be started")
+            .install(|| paint(&mut image, &areas));
+        image
+    };
+    let one = painted(1);
+    assert_eq!(one, painted(8), "threads");
+    for (i, (a, b)) in one.pixels().iter().zip(expected.pixels()).enumerate() {
+        // Edges that are cut between bands are rounded elsewhere.
+        assert!(
+            (0..3).all(|band| (a[band] - b[band]).abs() < 1e-5),
+            "pixel {i}: {a:?}, {b:?}"
+        );
+    }
+    paint(&mut Image::filled(0, 4, Rgb::BLACK), &areas);
+    paint(&mut Image::filled(4, 0, Rgb::BLACK), &areas);
 }
 
 #[test]

@@ -35,7 +35,7 @@ pub(super) struct Chain {
     pub sign: i32,
 }
 
-/// The chains of an outline from top to bottom, in memory that is used again.
+/// The chains of outlines, in memory that is used again.
 ///
 /// What lies to the left of the picture runs along its left edge instead, and what lies to the right along its right
 /// edge: neither changes an area inside. What lies above or below is left out.
@@ -43,35 +43,49 @@ pub(super) struct Chain {
 pub(super) struct Chains {
     pub segments: Vec<Segment>,
     pub chains: Vec<Chain>,
-    /// The winding number inside, if the outline is one convex contour.
-    pub convex: Option<i32>,
     width: f64,
     top: f64,
     bottom: f64,
 }
 
+/// An outline among the chains.
+#[derive(Debug, Clone)]
+pub(super) struct Cut {
+    /// Its chains, from top to bottom.
+    pub chains: Range<usize>,
+    /// The winding number inside, if the outline is one convex contour.
+    pub convex: Option<i32>,
+}
+
 impl Chains {
-    /// Cuts an outline at the edges of a picture and where it turns up or down.
-    pub fn set(&mut self, outline: &Outline, width: usize, rows: &Range<usize>) {
+    /// Forgets all of them.
+    pub fn clear(&mut self) {
         self.segments.clear();
         self.chains.clear();
+    }
+
+    /// Adds an outline, cut at the edges of some rows of a picture and where it turns up or down.
+    pub fn cut(&mut self, outline: &Outline, width: usize, rows: &Range<usize>) -> Cut {
         self.width = width as f64;
         (self.top, self.bottom) = (rows.start as f64, rows.end as f64);
-        self.convex = None;
-        if !outline.is_finite() {
-            return;
-        }
+        let first = self.chains.len();
         let mut contours = 0;
-        for contour in outline.contours() {
+        let mut convex = None;
+        let drawn = outline.contours().filter(|_| outline.is_finite());
+        for contour in drawn {
             self.add(contour);
             contours += 1;
-            self.convex = if contours == 1 {
+            convex = if contours == 1 {
                 convex_winding(contour)
             } else {
                 None
             };
         }
-        self.chains.sort_unstable_by(|a, b| a.top.total_cmp(&b.top));
+        self.chains[first..].sort_unstable_by(|a, b| a.top.total_cmp(&b.top));
+        Cut {
+            chains: first..self.chains.len(),
+            convex,
+        }
     }
 
     fn add(&mut self, contour: &[DVec2]) {

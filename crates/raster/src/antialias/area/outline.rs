@@ -151,15 +151,10 @@ impl Outline {
 
     /// The points of each contour; the last one is joined with the first one.
     pub fn contours(&self) -> impl Iterator<Item = &[DVec2]> {
-        let open = self.points.len();
-        let ends = self.ends.iter().copied().chain([open]);
-        let mut start = 0;
-        ends.map(move |end| {
-            let contour = &self.points[start..end];
-            start = end;
-            contour
-        })
-        .filter(|contour| !contour.is_empty())
+        let start = |i: usize| if i == 0 { 0 } else { self.ends[i - 1] };
+        let closed = (0..self.ends.len()).map(move |i| &self.points[start(i)..self.ends[i]]);
+        let open = &self.points[start(self.ends.len())..];
+        closed.chain((!open.is_empty()).then_some(open))
     }
 
     /// Least and largest y of all points; none if there are none or the outline is not finite.

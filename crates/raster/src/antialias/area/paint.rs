@@ -1,5 +1,6 @@
 //! Many areas into one picture.
 
+use super::chain::{Chains, Cut};
 use super::{Blend, FillRule, Outline, Pixel, Rasterizer};
 use crate::Image;
 use core::ops::Range;
@@ -47,54 +48,80 @@ impl<'a, P> Area<'a, P> {
 /// Bytes of a picture that are painted at a time: they stay in a core's cache while one area after the other is blended.
 const BAND_BYTES: usize = 1 << 18;
 
+/// An area cut to the rows of a band.
+struct Part<P> {
+    cut: Cut,
+    rule: FillRule,
+    value: P,
+    opacity: f32,
+}
+
+/// The parts of all areas in a band, in the order of the areas.
+struct Band<P> {
+    rows: Range<usize>,
+    chains: Chains,
+    parts: Vec<Part<P>>,
+}
+
 /// Blends areas into a picture, the first one lowest; made by all threads, the same bits on any number of them.
 ///
 /// The picture is painted in bands of rows. That is faster than [`Rasterizer::fill`] for each area also on one thread, as
-/// soon as the picture is larger than a cache.
+/// soon as the picture is larger than a cache; it takes memory for three or four times what the outlines take.
 pub fn paint<P: Pixel + Send + Sync>(image: &mut Image<P>, areas: &[Area<'_, P>]) {
     let (width, height) = (image.width(), image.height());
-    if width == 0 {
+    if width == 0 || height == 0 {
         return;
     }
     let rows = (BAND_BYTES / (width * size_of::<P>()).max(1)).clamp(8, height.max(8));
-    let bins = bins(areas, height, rows);
-    let bands = image.pixels_mut().par_chunks_mut(rows * width);
-    let bands = bands.zip(bins).enumerate();
-    bands.for_each_init(Vec::new, |near, (band, (pixels, bin))| {
-        let first = band * rows;
-        let rows = first..(first + rows).min(height);
-        // Memory that was read in a row and is used again is faster than pixels here and there of a large picture.
-        near.clear();
-        near.extend_from_slice(pixels);
-        paint_band(near, width, rows, &bin);
-        pixels.copy_from_slice(near);
-    });
+    let bands = cut_into_bands(areas, width, height, rows);
+    let pixels = image.pixels_mut().par_chunks_mut(rows * width);
+    pixels
+        .zip(bands)
+        .for_each_init(Vec::new, |near, (pixels, band)| {
+            // Memory that was read in a row and is used again is faster than pixels here and there of a large picture.
+            near.clear();
+            near.extend_from_slice(pixels);
+            band.paint(near, width);
+            pixels.copy_from_slice(near);
+        });
 }
 
-fn paint_band<P: Pixel>(
-    pixels: &mut [P],
-    width: usize,
-    rows: Range<usize>,
-    areas: &[&Area<'_, P>],
-) {
-    let first = rows.start;
-    let mut rasterizer = Rasterizer::for_rows(width, rows);
-    for area in areas {
-        let mut blend = Blend::new(pixels, width, first, area.value, area.opacity);
-        rasterizer.rasterize(area.outline, area.rule, &mut blend);
-    }
-}
-
-/// The areas that reach into each band of rows.
-fn bins<'a, P>(areas: &'a [Area<'a, P>], height: usize, rows: usize) -> Vec<Vec<&'a Area<'a, P>>> {
-    let mut bins: Vec<Vec<&Area<'_, P>>> = Vec::new();
-    bins.resize_with(height.div_ceil(rows), Vec::new);
-    for area in areas {
-        for bin in &mut bins[touched(area.outline, height, rows)] {
-            bin.push(area);
+impl<P: Pixel> Band<P> {
+    fn paint(&self, pixels: &mut [P], width: usize) {
+        let mut rasterizer = Rasterizer::for_rows(width, self.rows.clone());
+        for part in &self.parts {
+            let first = self.rows.start;
+            let mut blend = Blend::new(pixels, width, first, part.value, part.opacity);
+            rasterizer.rasterize_cut(&self.chains, &part.cut, part.rule, &mut blend);
         }
     }
-    bins
+}
+
+/// Cuts areas into bands of so many rows. Outlines are read once and in order, bands are then painted from memory that
+/// lies in order too.
+fn cut_into_bands<P: Pixel>(
+    areas: &[Area<'_, P>],
+    width: usize,
+    height: usize,
+    rows: usize,
+) -> Vec<Band<P>> {
+    let band = |first: usize| Band {
+        rows: first..(first + rows).min(height),
+        chains: Chains::default(),
+        parts: Vec::new(),
+    };
+    let mut bands: Vec<Band<P>> = (0..height).step_by(rows).map(band).collect();
+    for area in areas {
+        for band in &mut bands[touched(area.outline, height, rows)] {
+            band.parts.push(Part {
+                cut: band.chains.cut(area.outline, width, &band.rows),
+                rule: area.rule,
+                value: area.value,
+                opacity: area.opacity,
+            });
+        }
+    }
+    bands
 }
 
 /// The bands that an outline may reach into.

@@ -1,7 +1,7 @@
 //! Rows of a picture, from chains to spans of coverage.
 
 use super::accumulate::{Differences, Piece};
-use super::chain::{Chain, Chains};
+use super::chain::{Chain, Chains, Cut};
 use super::winding::{Edge, Resolver, step};
 use super::{Blend, FillRule, Outline, Pixel};
 use crate::Image;
@@ -84,25 +84,38 @@ impl Rasterizer {
 
     /// Hands out the coverage of an outline.
     pub fn rasterize(&mut self, outline: &Outline, rule: FillRule, spans: &mut impl Spans) {
-        self.chains.set(outline, self.width, &self.rows);
+        let mut chains = core::mem::take(&mut self.chains);
+        chains.clear();
+        let cut = chains.cut(outline, self.width, &self.rows);
+        self.rasterize_cut(&chains, &cut, rule, spans);
+        self.chains = chains;
+    }
+
+    /// Hands out the coverage of an outline that was cut for this rasteriser's rows.
+    pub(super) fn rasterize_cut(
+        &mut self,
+        chains: &Chains,
+        cut: &Cut,
+        rule: FillRule,
+        spans: &mut impl Spans,
+    ) {
         self.active.clear();
-        let mut next = 0;
+        let mut waiting = chains.chains[cut.chains.clone()].iter().peekable();
         let mut y = self.rows.start;
         while y < self.rows.end {
             if self.active.is_empty() {
-                let Some(chain) = self.chains.chains.get(next) else {
+                let Some(chain) = waiting.peek() else {
                     break;
                 };
                 y = row_of(chain.top);
             }
             let bottom = (y + 1) as f64;
-            while let Some(chain) = self.chains.chains.get(next).filter(|c| c.top < bottom) {
+            while let Some(chain) = waiting.next_if(|chain| chain.top < bottom) {
                 self.active.push(Active::new(chain));
-                next += 1;
             }
-            match self.chains.convex {
-                Some(winding) => self.convex_row(y, winding, spans),
-                None => self.row(y, rule, spans),
+            match cut.convex {
+                Some(winding) => self.convex_row(chains, y, winding, spans),
+                None => self.row(chains, y, rule, spans),
             }
             y += 1;
         }
@@ -126,9 +139,8 @@ impl Rasterizer {
     }
 
     /// A row of a convex contour: all edges count, and the winding number inside is known.
-    fn convex_row(&mut self, y: usize, winding: i32, spans: &mut impl Spans) {
+    fn convex_row(&mut self, chains: &Chains, y: usize, winding: i32, spans: &mut impl Spans) {
         let differences = &mut self.differences;
-        let chains = &self.chains;
         self.active.retain_mut(|chain| {
             let sign = f64::from(chain.sign * winding);
             let strand = walk(chains, chain, y, |piece| differences.add(piece, sign));
@@ -139,8 +151,8 @@ impl Rasterizer {
     }
 
     /// A row of any outline.
-    fn row(&mut self, y: usize, rule: FillRule, spans: &mut impl Spans) {
-        self.row.collect(&self.chains, &mut self.active, y);
+    fn row(&mut self, chains: &Chains, y: usize, rule: FillRule, spans: &mut impl Spans) {
+        self.row.collect(chains, &mut self.active, y);
         self.row.sort();
         if self.row.is_ordered() {
             self.add_ordered(rule);
