@@ -6,7 +6,8 @@
 //! # Current state
 //! [`triangle`] draws perspective-correct triangles with a z-buffer and item buffers ([`clip`] cuts them in homogeneous
 //! coordinates before), [`tonemap`] brings light into the range of a display, [`image`] holds and stores pictures (PNG in
-//! sRGB, OpenEXR in linear light). Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
+//! sRGB, OpenEXR in linear light), [`antialias`] makes pixels of samples or of exact areas.
+//! Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
 #![forbid(unsafe_code)]
 
 pub mod antialias;

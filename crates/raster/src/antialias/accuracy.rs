@@ -15,7 +15,7 @@ use glam::{DVec2, dvec2};
 pub enum Method {
     /// Samples of inside and outside.
     Samples(Antialiasing),
-    /// The exact area, as [`mask`](super::area::mask) finds it.
+    /// The exact area, as [`mask`] finds it.
     Area,
     /// The same rounded to 256 levels.
     Area8,
