@@ -27,7 +27,7 @@ fn main() {
     ];
     for (name, polygons) in &sets {
         check(polygons);
-        let area: f64 = polygons.iter().map(|p| covered(p)).sum();
+        let area: f64 = polygons.iter().map(covered).sum();
         println!("{name}: {:.1} Mpx", area / 1e6);
         println!("  {:34} {:>9} {:>9} {:>9}", "", "ms", "Mpx/s", "kpoly/s");
         for (way, seconds) in measure(polygons) {
