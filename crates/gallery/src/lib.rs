@@ -7,6 +7,7 @@
 //! Exhibits on measured data ask for files ([`Exhibit::needs`]); all others need nothing.
 #![forbid(unsafe_code)]
 
+mod antialiasing;
 mod bumps;
 mod csg;
 mod exhibit;
@@ -23,7 +24,7 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS, two_part::EXHIBITS, bumps::EXHIBITS, textures::EXHIBITS];
+const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS, two_part::EXHIBITS, bumps::EXHIBITS, textures::EXHIBITS, antialiasing::EXHIBITS];
 
 #[cfg(test)]
 mod tests {

@@ -10,6 +10,8 @@
 //! [`colormap`] shows numbers as colours: perceptually even tables, isolines, element edges.
 //! sRGB, OpenEXR in linear light), [`texture`] reads pictures through every filter from point sampling to elliptical
 //! weighted averages. Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
+//! sRGB, OpenEXR in linear light), [`antialias`] makes pixels of samples or of exact areas.
+//! Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
 #![forbid(unsafe_code)]
 
 pub mod antialias;

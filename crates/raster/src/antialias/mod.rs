@@ -5,7 +5,8 @@
 //! * *Postfiltering*: it is sampled more finely than it is shown, on a regular or a jittered grid ([`Pattern`]), and the
 //!   samples are weighted ([`Filter`]). [`render`] does this for any picture; a [`Supersampler`] says which samples a band
 //!   of rows needs and combines them, for programs that find their samples in another way.
-//! * *Prefiltering*: what is drawn is known as an outline, and the area of it in each pixel is computed.
+//! * *Prefiltering*: what is drawn is known as an outline, and the area of it in each pixel is computed ([`area`]): polygons,
+//!   circles, lines, letters. It is exact and needs no samples, but knows only shapes of one colour.
 //!
 //! An [`Antialiasing`] is a pattern, a factor and a filter, and has a name: `4x4`, `4x4:bartlett`,
 //! `3x3-jittered:mitchell`.
@@ -23,7 +24,29 @@
 //! assert_eq!(*image.pixel(8, 8), Rgb::WHITE);
 //! # Ok::<(), hemicube_raster::antialias::AntialiasingError>(())
 //! ```
+//!
+//! # Which one
+//! [`accuracy`] measures all of them. RMS errors of coverage at the edges of random triangles, and RMS contrast left of
+//! rings that are finer than pixels can show (0.354 if all of it is left):
+//!
+//! | antialiasing | coverage | moiré | contrast kept at 1/4 cycle and below |
+//! |---|---|---|---|
+//! | `none` | 0.252 | 0.354 | 1.00 |
+//! | `2x2`, `4x4`, `8x8` | 0.088, 0.032, 0.011 | 0.117, 0.100, 0.096 | 0.96, 0.95, 0.95 |
+//! | `4x4-jittered@0.125` | 0.046 | 0.101, as noise | 0.95 |
+//! | `4x4:bartlett` | 0.062, it spreads edges on purpose | 0.045 | 0.91 |
+//! | `4x4:mitchell` | 0.061 | 0.035 | 0.93 |
+//! | `4x4:gaussian` | 0.096 | 0.026 | 0.86 |
+//! | `4x4:lanczos` | 0.041, with ringing | 0.043 | 1.01 |
+//! | [`area`] | 0.0000002 | only shapes | only shapes |
+//!
+//! # Current state
+//! Supersampling is the same on all pixels: nothing adapts to the picture. Samples that are NaN or infinite spread over the
+//! reach of the filter. [`Supersampler::resolve`] and [`Supersampler::sample`] panic if a slice does not have the length
+//! that its rows ask for, [`area::Rasterizer::fill`] if the picture does not have the rasteriser's size; nothing else does.
 
+pub mod accuracy;
+pub mod area;
 mod filter;
 mod name;
 mod pattern;

@@ -1,0 +1,56 @@
+//! Rings finer and finer: what each filter makes of frequencies that pixels cannot show.
+
+use super::sheet::{Panel, sheet};
+use super::{named, picture_size};
+use crate::{Exhibit, GalleryError, Piece, Request};
+use hemicube_raster::Rgb;
+use hemicube_raster::antialias::accuracy::{zone_plate, zone_plate_error};
+use hemicube_raster::antialias::{Antialiasing, Pattern, render};
+use std::fmt::Write as _;
+
+pub(super) const ZONE_PLATE: Exhibit = Exhibit {
+    name: "zone-plate",
+    about: "Rings up to one cycle per pixel by each pattern and filter: moiré left, contrast kept",
+    needs: &[],
+    draw,
+};
+
+const WAYS: [&str; 12] = [
+    "none",
+    "1x1-jittered@0.5",
+    "4x4",
+    "4x4-jittered@0.125",
+    "2x2:bartlett",
+    "3x3:bartlett",
+    "4x4:bartlett",
+    "4x4:bartlett-3x3",
+    "4x4:gaussian",
+    "4x4:mitchell",
+    "4x4:blackman-harris",
+    "4x4:lanczos",
+];
+
+fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
+    let (side, _) = picture_size(request, (256, 256))?;
+    let mut panels = Vec::new();
+    let mut csv = String::from("antialiasing,moire_rms,contrast_kept\n");
+    for name in WAYS {
+        let antialiasing = seeded(named(name), request.seed);
+        let truth = zone_plate(side as f64);
+        let color = |x: f64, y: f64| Rgb::splat(truth(x, y));
+        let image = render(&color, (side, side), antialiasing);
+        let error = zone_plate_error(antialiasing, side);
+        let figures = format!("moiré {:.3} kept {:.2}", error.moire, error.kept);
+        panels.push(Panel::new(image, &[name, &figures]));
+        let _ = writeln!(csv, "{name},{:.5},{:.5}", error.moire, error.kept);
+    }
+    Ok(vec![
+        Piece::sheet("", &sheet(&panels, 4))?,
+        Piece::csv("", csv),
+    ])
+}
+
+fn seeded(antialiasing: Antialiasing, seed: u64) -> Antialiasing {
+    let pattern: Pattern = antialiasing.pattern.with_seed(seed);
+    antialiasing.with_pattern(pattern)
+}
