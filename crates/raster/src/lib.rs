@@ -1,17 +1,21 @@
-//! Pictures on the CPU: images, linear colour, and triangles drawn into them.
+//! Pictures on the CPU: everything between geometry and pixels, usable on its own; it knows no scene.
 //!
-//! This crate knows no scene: it is everything between geometry and pixels, usable on its own.
 //! Colour is linear Rec. 709 in memory ([`Rgb`]); sRGB appears only where a file says so ([`color`]).
 //!
+//! | module | what it holds |
+//! |---|---|
+//! | [`triangle`], [`clip`] | perspective-correct triangles with a z-buffer, item buffers, clipping in homogeneous coordinates |
+//! | [`antialias`] | exact areas of outlines; samples and filters for any picture; their errors, measured |
+//! | [`texture`] | mip chains in linear light, filters from point sampling to elliptical weighted averages, normal maps |
+//! | [`two_part`] | textures on objects by way of an intermediate surface (Bier and Sloan 1986) |
+//! | [`bump`], [`reflection`] | normals tilted by heights and normal maps, distant bumps as roughness; Phong's models |
+//! | [`colormap`] | numbers as colours: perceptually even tables, isolines, element edges |
+//! | [`image`], [`tonemap`], [`color`] | pictures in memory and in files, light into the range of a display |
+//!
 //! # Current state
-//! [`triangle`] draws perspective-correct triangles with a z-buffer and item buffers ([`clip`] cuts them in homogeneous
-//! coordinates before), [`tonemap`] brings light into the range of a display, [`image`] holds and stores pictures (PNG in
-//! sRGB, OpenEXR in linear light). Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
-//! [`colormap`] shows numbers as colours: perceptually even tables, isolines, element edges.
-//! sRGB, OpenEXR in linear light), [`texture`] reads pictures through every filter from point sampling to elliptical
-//! weighted averages. Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
-//! sRGB, OpenEXR in linear light), [`antialias`] makes pixels of samples or of exact areas.
-//! Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
+//! Nothing here panics on the coordinates it is given: what is not finite is not drawn, and where a mapping or a bump is
+//! not defined there is none. Bumps cast no shadows, and meshes are not displaced. The front page of each module states
+//! its errors and what it does not do.
 #![forbid(unsafe_code)]
 
 pub mod antialias;
@@ -25,12 +29,6 @@ pub mod texture;
 pub mod tonemap;
 pub mod triangle;
 pub mod two_part;
-//!
-//! [`two_part`] puts textures on objects by an intermediate surface, [`bump`] tilts normals by heights and normal maps and
-//! turns distant bumps into roughness, [`reflection`] has Phong's models. Where a mapping or a bump is not defined they give
-//! nothing (`None`, no bump) and never a number that is not finite; `TwoPart::map` takes 70 to 200 ns a point, as
-//! its derivatives go through f64 dual numbers. Not there: horizon maps (bumps cast no shadows), displacement of meshes.
-
 
 pub use color::Rgb;
 pub use image::Image;
