@@ -11,6 +11,7 @@
 
 pub mod clip;
 pub mod color;
+pub mod environment;
 pub mod image;
 pub mod tonemap;
 pub mod triangle;
