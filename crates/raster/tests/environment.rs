@@ -59,7 +59,7 @@ fn flux_is_kept() {
             for rows in [10, 0] {
                 let (_, report) = convert(&source, to, &ConvertOptions::default().with_rows(rows));
                 assert!(
-                    report.spread() < 2e-3,
+                    report.spread() < 5e-3,
                     "{from} to {to} of {rows} rows: {report:?}"
                 );
                 assert!(
@@ -124,7 +124,7 @@ fn harmonics_survive_conversion() {
             }
             // A sphere map has few texels for what is ahead, and those are long.
             let is_sphere = [from, to].contains(&Projection::Sphere);
-            let allowed = if is_sphere { 0.02 } else { 6e-3 };
+            let allowed = if is_sphere { 0.02 } else { 0.01 };
             assert!(worst < allowed, "{from} to {to}: {worst}");
         }
     }
@@ -224,7 +224,7 @@ fn uniform_light_has_irradiance_pi() {
         for normal in directions(20) {
             let found = harmonics.irradiance(normal).g / core::f32::consts::PI;
             assert!(
-                (found - 1.0).abs() < 1e-3,
+                (found - 1.0).abs() < 2e-3,
                 "{projection} {normal}: {found} π"
             );
         }

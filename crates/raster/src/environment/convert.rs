@@ -354,7 +354,7 @@ impl Target {
                     let whole = self.solid_angle(texel);
                     taps.clear();
                     self.sample(source, whole, texel, |index, weight| {
-                        taps.push((index, weight))
+                        taps.push((index, weight));
                     });
                     let count =
                         |&(index, weight): &(usize, f64)| weight * f64::from(balance.counts[index]);
