@@ -122,9 +122,8 @@ fn harmonics_survive_conversion() {
             for (a, b) in before.coefficients().iter().zip(after.coefficients()) {
                 worst = worst.max((a[1] - b[1]).abs() / scale);
             }
-            // A sphere map has few texels for what is ahead, and those are long.
-            let is_sphere = [from, to].contains(&Projection::Sphere);
-            let allowed = if is_sphere { 0.02 } else { 0.01 };
+            // Texels are up to 10 degrees wide here; the error falls with their size.
+            let allowed = 0.02;
             assert!(worst < allowed, "{from} to {to}: {worst}");
         }
     }

@@ -42,6 +42,19 @@ pub enum EnvironmentError {
         /// Rows.
         height: usize,
     },
+    /// A picture of faces whose sides fit no layout.
+    #[error(
+        "a picture of {width} x {height} pixels is no {projection} map: it should be {}",
+        if projection.faces() == 2 { "2:1 or 1:2" } else { "6:1, 1:6, 4:3 or 3:4" }
+    )]
+    Layout {
+        /// What was to be made.
+        projection: Projection,
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
     /// Light that is no number.
     #[error("face {face}, pixel ({x}, {y}): {value:?} is not finite; mend the picture")]
     NotFinite {
