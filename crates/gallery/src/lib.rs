@@ -7,6 +7,7 @@
 //! Exhibits on measured data ask for files ([`Exhibit::needs`]); all others need nothing.
 #![forbid(unsafe_code)]
 
+mod environments;
 mod exhibit;
 
 pub use exhibit::{Exhibit, GalleryError, Piece, Request};
@@ -17,4 +18,4 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[];
+const ROOMS: &[&[Exhibit]] = &[environments::EXHIBITS];

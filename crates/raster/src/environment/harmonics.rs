@@ -21,7 +21,7 @@ impl SphericalHarmonics {
     pub const MAX_DEGREE: usize = 16;
 
     /// Light of a map, up to a degree (clamped to [`Self::MAX_DEGREE`]): sums over texels with exact solid angles, each
-    /// cut into parts where the map is small, so that uniform light has no other coefficients than the first, to 1e-4.
+    /// cut into parts where the map is small, so that uniform light has no other coefficients than the first, to 1e-3.
     pub fn of_map(map: &EnvironmentMap, degree: usize) -> Self {
         let degree = degree.min(Self::MAX_DEGREE);
         let angles = map.solid_angles();

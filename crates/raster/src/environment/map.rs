@@ -342,7 +342,7 @@ impl EnvironmentMap {
     }
 
     /// Calls `take` with directions, light and solid angles of the texels of a row, counted through all faces; `angles`
-    /// are [`Self::solid_angles`]. Texels of small maps are cut into parts no larger than those of a map of 128 rows,
+    /// are [`Self::solid_angles`]. Texels of small maps are cut into parts no larger than those of a map of 64 rows,
     /// so that sums over them are integrals of what the texels stand for, not of their middles.
     pub(super) fn parts_of_row(
         &self,
@@ -351,7 +351,7 @@ impl EnvironmentMap {
         mut take: impl FnMut(Vec3, Rgb, f64),
     ) {
         let (face, y) = (row / self.height, row % self.height);
-        let cuts = 128_usize.div_ceil(self.height).min(16);
+        let cuts = 64_usize.div_ceil(self.height).min(16);
         let size = Vec2::new(self.width as f32, self.height as f32);
         let is_disc = self.projection.disc().is_some();
         let place = |x: usize, i: usize| {
