@@ -5,8 +5,9 @@
 //!
 //! # Current state
 //! [`triangle`] draws perspective-correct triangles with a z-buffer and item buffers ([`clip`] cuts them in homogeneous
-//! coordinates before), [`tonemap`] brings light into the range of a display, [`image`] holds and stores pictures (PNG in
-//! sRGB, OpenEXR in linear light). Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
+//! coordinates before), [`tonemap`] brings light into the range of a display, [`image`] holds, reads and stores pictures
+//! (read: PNG, JPEG, WebP, Radiance, OpenEXR; written: PNG, Radiance, OpenEXR), and [`environment`] keeps light from all
+//! directions in them, in eight projections. Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
 #![forbid(unsafe_code)]
 
 pub mod clip;

@@ -19,20 +19,19 @@ const GAP: usize = 16;
 const CAPTION: usize = 44;
 const HIGHEST: usize = 8;
 
-/// Rows of the panorama of normals for which both ways are computed.
-const ROWS: usize = 24;
-
 /// Pictures, and errors by degree.
 pub fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let (width, _) = panel_size(request, (384, 192))?;
     let (width, height) = (width / 2 * 2, width / 2);
     let scenes: [Scene; 2] = [("evening", sky::evening), ("one small lamp", lamp)];
+    // Rows of the panorama of normals for which both ways are computed.
+    let rows = (height / 8).clamp(8, 24);
     let mut curves = Vec::new();
     let mut table = String::from("environment,degree,relative_rms\n");
     let mut canvas = Canvas::new(GAP + 5 * (width + GAP), GAP + 2 * (height + CAPTION + GAP));
     for (row, (name, light)) in scenes.into_iter().enumerate() {
         let map = EnvironmentMap::from_fn(Projection::Cube, 64, 2, light);
-        let truth = over_normals(|n| irradiance_by_texels(&map, n));
+        let truth = over_normals(rows, |n| irradiance_by_texels(&map, n));
         let factor = Exposure::Auto.factor(truth.pixels().iter().map(|c| c.luminance()));
         let mut put = |column: usize, lines: [String; 2], image: &Image<Rgb>| {
             let (left, top) = (
@@ -62,7 +61,7 @@ pub fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         let mut errors = Vec::new();
         for degree in 0..=HIGHEST {
             let harmonics = SphericalHarmonics::of_map(&map, degree);
-            let image = over_normals(|n| harmonics.irradiance(n));
+            let image = over_normals(rows, |n| harmonics.irradiance(n));
             let error = relative_rms(&image, &truth);
             errors.push((degree as f64, error));
             let _ = writeln!(table, "{name},{degree},{error}");
@@ -101,14 +100,14 @@ fn lamp(d: Vec3) -> Rgb {
 }
 
 /// A panorama of a function of normals.
-fn over_normals(irradiance: impl Fn(Vec3) -> Rgb) -> Image<Rgb> {
+fn over_normals(rows: usize, irradiance: impl Fn(Vec3) -> Rgb) -> Image<Rgb> {
     let pixel = |i: usize| {
-        let (x, y) = (i % (2 * ROWS), i / (2 * ROWS));
+        let (x, y) = (i % (2 * rows), i / (2 * rows));
         let at = glam::Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / glam::Vec2::new(2.0, 1.0);
-        irradiance(Projection::LatLong.direction(0, at / ROWS as f32))
+        irradiance(Projection::LatLong.direction(0, at / rows as f32))
     };
-    let pixels = (0..2 * ROWS * ROWS).map(pixel).collect();
-    Image::from_pixels(2 * ROWS, ROWS, pixels).expect("one colour for each pixel")
+    let pixels = (0..2 * rows * rows).map(pixel).collect();
+    Image::from_pixels(2 * rows, rows, pixels).expect("one colour for each pixel")
 }
 
 /// The same panorama with more pixels, smooth.

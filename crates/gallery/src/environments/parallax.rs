@@ -58,8 +58,8 @@ pub fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     put(0, words, &truth);
     let ways = [
         (Choice::Nearest, "nearest map"),
-        (Choice::Blend, "two maps, blended"),
-        (Choice::BoxProjected, "blended, box-projected"),
+        (Choice::Blend, "two maps blended"),
+        (Choice::BoxProjected, "blended and box-projected"),
     ];
     for (i, (choice, name)) in ways.into_iter().enumerate() {
         let image = picture(width, height, |point, d| set.radiance(point, d, choice));

@@ -12,12 +12,15 @@ use std::fmt::Write as _;
 
 /// Panels in a row of the sheet.
 const COLUMNS: usize = 4;
+const PANEL: (usize, usize) = (384, 288);
 const CAPTION: usize = 66;
 const GAP: usize = 16;
 
 /// Labelled directions.
 pub fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
-    let source = EnvironmentMap::from_fn(Projection::Cube, 160, 2, sky::labelled);
+    let (width, _) = panel_size(request, PANEL)?;
+    let rows = (width / 2).clamp(64, 256);
+    let source = EnvironmentMap::from_fn(Projection::Cube, rows, 2, sky::labelled);
     sheet(&source, request, |image| image.clone())
 }
 
@@ -35,7 +38,7 @@ fn sheet(
     request: &Request,
     show: impl Fn(&Image<Rgb>) -> Image<Rgb>,
 ) -> Result<Vec<Piece>, GalleryError> {
-    let (width, height) = panel_size(request, (384, 288))?;
+    let (width, height) = panel_size(request, PANEL)?;
     let rows = Projection::ALL.len().div_ceil(COLUMNS);
     let size = (
         GAP + COLUMNS * (width + GAP),

@@ -13,6 +13,7 @@ use hemicube_raster::tonemap::{Exposure, ToneMap};
 use hemicube_raster::{Image, Rgb};
 use rayon::prelude::*;
 
+const PANEL: (usize, usize) = (220, 220);
 const GAP: usize = 16;
 const CAPTION: usize = 44;
 const ROUGHNESSES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -25,7 +26,9 @@ const SAMPLES: usize = 3;
 
 /// An evening that needs no file.
 pub fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
-    let source = EnvironmentMap::from_fn(Projection::Cube, 256, 2, sky::evening);
+    let (width, _) = panel_size(request, PANEL)?;
+    let rows = width.clamp(64, 256);
+    let source = EnvironmentMap::from_fn(Projection::Cube, rows, 2, sky::evening);
     sheet(source, request)
 }
 
@@ -35,7 +38,7 @@ pub fn draw_file(request: &Request) -> Result<Vec<Piece>, GalleryError> {
 }
 
 fn sheet(source: EnvironmentMap, request: &Request) -> Result<Vec<Piece>, GalleryError> {
-    let (width, height) = panel_size(request, (220, 220))?;
+    let (width, height) = panel_size(request, PANEL)?;
     let side = width.min(height);
     let factor = Exposure::Auto.factor(source.texels().iter().map(|c| c.luminance()));
     let pyramid = EnvironmentPyramid::new(source);
@@ -50,6 +53,7 @@ fn sheet(source: EnvironmentMap, request: &Request) -> Result<Vec<Piece>, Galler
     };
     for (row, lobe) in [Lobe::Ggx, Lobe::Phong].into_iter().enumerate() {
         let options = PrefilterOptions::default()
+            .with_rows(side.clamp(32, 128))
             .with_levels(columns)
             .with_lobe(lobe);
         let blurred = PrefilteredEnvironment::new(&pyramid, &options);
