@@ -42,7 +42,8 @@ impl Lobe {
         }
     }
 
-    /// Weight of light from a direction at this cosine from the mirrored one, up to a factor: what [`prefilter`] means.
+    /// Weight of light from a direction at this cosine from the mirrored one, up to a factor: what
+    /// [`PrefilteredEnvironment`] takes means with.
     pub fn weight(self, roughness: f32, cosine: f32) -> f32 {
         let roughness = roughness.clamp(MIN_ROUGHNESS, 1.0);
         if cosine <= 0.0 {
