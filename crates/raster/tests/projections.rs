@@ -417,3 +417,21 @@ fn cropped_discs_are_squared() {
         "not square"
     );
 }
+
+/// On both sides of a pole light is the same: the row beyond it is that of the other half of the globe.
+#[test]
+fn light_goes_on_over_the_poles_of_a_panorama() {
+    let mut count = 0.0;
+    let map = EnvironmentMap::from_fn(Projection::LatLong, 8, 1, |_| Rgb::BLACK).map(|_| {
+        count += 1.0;
+        Rgb::splat(count * count % 17.0)
+    });
+    for i in 0..64 {
+        let (z, x) = (i as f32 * 0.1).sin_cos();
+        for pole in [Vec3::Y, Vec3::NEG_Y] {
+            let side = 1e-4 * Vec3::new(x, 0.0, z);
+            let (here, there) = (map.radiance(pole + side), map.radiance(pole - side));
+            assert!((here - there).r.abs() < 0.02, "{pole}: {here:?} {there:?}");
+        }
+    }
+}
