@@ -89,7 +89,7 @@ impl Header {
                 Some(("EXPOSURE", number)) => header.divide(&numbers::<1>(number)?)?,
                 Some(("COLORCORR", list)) => header.divide(&numbers::<3>(list)?)?,
                 Some(("SOFTWARE", name)) if name.trim().starts_with("RADIANCE") => {
-                    header.half = 0.5
+                    header.half = 0.5;
                 }
                 Some(("FORMAT", name)) => header.is_xyz = is_xyz(name.trim())?,
                 _ => {}
