@@ -64,7 +64,9 @@ impl SphericalHarmonics {
     /// Irradiance of a surface with this unit normal (Ramamoorthi and Hanrahan 2001): `E = Σ A_l L_lm Y_lm(n)`, with
     /// `A_0 = π`, `A_1 = 2π/3`, `A_2 = π/4`, then 0 for odd degrees and little for even ones.
     ///
-    /// Degree 2 is within 1 % of the mean on average and 3 % for skies, and up to 9 % where one small light is all.
+    /// Measured against [`irradiance_by_texels`], root of the mean square over all normals by the mean: degree 2 is off by 0.25 %
+    /// for a soft sky over a tiled ground, by 1.3 % with a low sun and two lamps, by 14 % where one small lamp is all there is;
+    /// degree 4 by 0.1 %, 0.5 % and 7 %.
     pub fn irradiance(&self, normal: Vec3) -> Rgb {
         self.weighted(normal, cosine_lobe)
     }

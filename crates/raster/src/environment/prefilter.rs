@@ -134,8 +134,9 @@ impl PrefilteredEnvironment {
     /// importance-sampled at the points of Hammersley, each sample read from the mip level whose texels are as large as what
     /// it stands for (Křivánek and Colbert 2008, twice as wide), so that bright spots do not become fireflies.
     ///
-    /// A uniform light stays as it is, exactly. Against the sum over all texels, 256 samples are within 0.6 % of the
-    /// mean (root of mean square) in a real sky with its sun, see the tests.
+    /// A uniform light stays as it is, exactly. Against the sum over all texels of a sky with a sun, 256 samples are off by
+    /// 0.3 % to 0.8 % of the mean (root of the mean square), and by 1.4 % for GGX of roughness 1, whose wide, sparse
+    /// samples read coarse levels.
     pub fn new(pyramid: &EnvironmentPyramid, options: &PrefilterOptions) -> Self {
         let count = options.levels.max(2);
         let levels = (0..count).map(|level| {
