@@ -10,6 +10,7 @@
 mod antialiasing;
 mod bumps;
 mod csg;
+mod environments;
 mod exhibit;
 mod field;
 mod stage;
@@ -24,7 +25,7 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS, two_part::EXHIBITS, bumps::EXHIBITS, textures::EXHIBITS, antialiasing::EXHIBITS];
+const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS, two_part::EXHIBITS, bumps::EXHIBITS, textures::EXHIBITS, antialiasing::EXHIBITS, environments::EXHIBITS];
 
 #[cfg(test)]
 mod tests {

@@ -16,6 +16,10 @@
 //! Nothing here panics on the coordinates it is given: what is not finite is not drawn, and where a mapping or a bump is
 //! not defined there is none. Bumps cast no shadows, and meshes are not displaced. The front page of each module states
 //! its errors and what it does not do.
+//! [`triangle`] draws perspective-correct triangles with a z-buffer and item buffers ([`clip`] cuts them in homogeneous
+//! coordinates before), [`tonemap`] brings light into the range of a display, [`image`] holds, reads and stores pictures
+//! (read: PNG, JPEG, WebP, Radiance, OpenEXR; written: PNG, Radiance, OpenEXR), and [`environment`] keeps light from all
+//! directions in them, in eight projections. Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
 #![forbid(unsafe_code)]
 
 pub mod antialias;
@@ -23,6 +27,7 @@ pub mod bump;
 pub mod clip;
 pub mod color;
 pub mod colormap;
+pub mod environment;
 pub mod image;
 pub mod reflection;
 pub mod texture;

@@ -162,7 +162,8 @@ fn halves_that_are_no_numbers_are_counted_and_mended() {
     assert_eq!(count, 3 * 2048, "kept");
 }
 
-/// Facts that another reader states, without the half step that Radiance adds: largest and mean value before `EXPOSURE`.
+/// Facts that another reader states: largest and mean value before `EXPOSURE`, without the half step that Radiance adds to
+/// its own pictures.
 #[test]
 fn radiance_pictures_hold_what_others_read() {
     let Some(root) = testdata() else { return };
@@ -345,7 +346,7 @@ fn hdr_scanlines_run_in_all_eight_ways() {
                 .into_bytes();
         file.extend(order.iter().flat_map(|&n: &u8| [10 * n, 0, 0, 136]));
         let image = read(&file).expect(size).rgb();
-        let reds: Vec<f32> = image.pixels().iter().map(|c| c.r - 0.5).collect();
+        let reds: Vec<f32> = image.pixels().iter().map(|c| c.r).collect();
         assert_eq!(reds, [10.0, 20.0, 30.0, 40.0, 50.0, 60.0], "{size}");
     }
 }
@@ -357,8 +358,50 @@ fn old_run_lengths_repeat_a_pixel() {
     let image = read(&file).expect("1 + 42 + 256 + 1 pixels").rgb();
     assert_eq!(
         image.pixel(298, 0),
-        &Rgb::splat(15.0),
+        &Rgb::splat(14.0),
         "divided by the exposure"
     );
-    assert_eq!(image.pixel(299, 0), &Rgb::splat(19.0), "the last one");
+    assert_eq!(image.pixel(299, 0), &Rgb::splat(18.0), "the last one");
+}
+
+/// The same sky from two files: numbers in half floats, compressed with loss, and rounded to RGBE.
+#[test]
+fn same_sky_in_two_formats_is_equally_bright() {
+    let Some(root) = testdata() else { return };
+    for (exr, hdr) in [
+        ("apartment", "lebombo_1k"),
+        ("studio", "studio_small_03_1k"),
+    ] {
+        let mean = |path: PathBuf| {
+            let picture = open(&path).expect("a picture").rgb();
+            let sum: f64 = picture
+                .pixels()
+                .iter()
+                .map(|c| f64::from(c.luminance()))
+                .sum();
+            sum / picture.pixels().len() as f64
+        };
+        let a = mean(root.join(format!("env/equirect_exr_dwab/{exr}.exr")));
+        let b = mean(root.join(format!("env/equirect_hdr/{hdr}.hdr")));
+        assert!((a / b - 1.0).abs() < 1.5e-3, "{exr} {a}, {hdr} {b}");
+    }
+}
+
+#[test]
+fn radiance_cuts_and_others_round() {
+    let mean = |software: &str| {
+        let mut file = format!("#?RADIANCE\n{software}\n\n-Y 1 +X 1\n").into_bytes();
+        file.extend([100, 0, 7, 136]);
+        read(&file).expect("a pixel").rgb().pixels()[0]
+    };
+    assert_eq!(
+        mean("SOFTWARE= RADIANCE 5.4a"),
+        Rgb::new(100.5, 0.5, 7.5),
+        "cut"
+    );
+    assert_eq!(
+        mean("SOFTWARE=Others"),
+        Rgb::new(100.0, 0.0, 7.0),
+        "rounded"
+    );
 }

@@ -1,9 +1,10 @@
 //! Radiance pictures: three mantissas that share an exponent, in run lengths (G. Ward, "Real Pixels", Graphics Gems II,
 //! 1991; the file is described in the Radiance Reference Manual).
 //!
-//! A value is `(m + 1/2) 2^(e - 136)`, as Radiance itself reads it: encoders cut mantissas off, so half a step up is where
-//! the true value lies on average. Programs that leave the half out read values lower by 0.2 % to 0.4 %. `EXPOSURE` and
-//! `COLORCORR` are divided out, so numbers are radiance again in W/(m² sr); `XYZE` becomes Rec. 709.
+//! A value is `m 2^(e - 136)`, as nearly all programs write it, rounded. Radiance's own programs cut mantissas off, and
+//! read `m + 1/2`, where the true value lies on average; so do we where the header names them as `SOFTWARE`. To take one
+//! for the other makes everything 0.2 % to 0.4 % too bright or too dark. `EXPOSURE` and `COLORCORR` are divided out, so
+//! numbers are radiance again in W/(m² sr); `XYZE` becomes Rec. 709.
 
 use super::Image;
 use super::read::{Format, Picture, ReadError, ReadOptions};
@@ -66,6 +67,8 @@ struct Header {
     /// What pixels are multiplied by to be radiance.
     scale: Rgb,
     is_xyz: bool,
+    /// What was cut off mantissas on average.
+    half: f32,
 }
 
 impl Header {
@@ -73,6 +76,7 @@ impl Header {
         let mut header = Self {
             scale: Rgb::WHITE,
             is_xyz: false,
+            half: 0.0,
         };
         let before = input.bytes.len();
         loop {
@@ -84,6 +88,9 @@ impl Header {
                 _ if line.trim().is_empty() => return Ok(header),
                 Some(("EXPOSURE", number)) => header.divide(&numbers::<1>(number)?)?,
                 Some(("COLORCORR", list)) => header.divide(&numbers::<3>(list)?)?,
+                Some(("SOFTWARE", name)) if name.trim().starts_with("RADIANCE") => {
+                    header.half = 0.5;
+                }
                 Some(("FORMAT", name)) => header.is_xyz = is_xyz(name.trim())?,
                 _ => {}
             }
@@ -104,7 +111,7 @@ impl Header {
             return Rgb::BLACK;
         }
         let step = power_of_two(i32::from(e) - 136);
-        let value = |m: u8| (f32::from(m) + 0.5) * step;
+        let value = |m: u8| (f32::from(m) + self.half) * step;
         let color = Rgb::new(value(r), value(g), value(b)) * self.scale;
         if self.is_xyz {
             rec709_from_xyz(color)
@@ -293,7 +300,7 @@ impl<'a> Input<'a> {
 
 impl Image<Rgb> {
     /// Writes a Radiance picture (RGBE, run lengths). A band keeps 8 bits relative to the brightest one of its pixel, so
-    /// its error is at most 1/256 of that; negative values become 0, NaN too, and what is too bright 1.7e38.
+    /// its error is at most 1/256 of that; negative values become 0, NaN too, and what is too bright 1.6e38.
     pub fn write_hdr(&self, mut out: impl Write) -> io::Result<()> {
         let (width, height) = (self.width(), self.height());
         let header = "#?RADIANCE\nSOFTWARE=Hemicube\nFORMAT=32-bit_rle_rgbe\n";
@@ -318,25 +325,28 @@ impl Image<Rgb> {
     }
 }
 
-/// Mantissas cut off at the exponent of the brightest band.
+/// Mantissas rounded at the exponent of the brightest band.
 fn rgbe(c: Rgb) -> [u8; 4] {
     // A maximum with 0 is 0 for NaN.
     let c = c
         .map(|x| x.max(0.0))
-        .map(|x| if x > 1.7e38 { 1.7e38 } else { x });
+        .map(|x| if x > 1.6e38 { 1.6e38 } else { x });
     let brightest = c.max_band();
-    if brightest < 1e-38 {
+    if brightest < 1e-37 {
         return [0; 4];
     }
     // brightest = f 2^exponent with f in [1/2, 1), which are the bits of a normal number.
-    let exponent = i32::try_from(brightest.to_bits() >> 23).unwrap_or_default() - 126;
-    let scale = power_of_two((8 - exponent).min(127));
+    let mut exponent = i32::try_from(brightest.to_bits() >> 23).unwrap_or_default() - 126;
+    if brightest * power_of_two(8 - exponent) >= 255.5 {
+        exponent += 1;
+    }
+    let scale = power_of_two(8 - exponent);
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "from 0 to below 256"
     )]
-    let mantissa = |x: f32| (x * scale) as u8;
+    let mantissa = |x: f32| (x * scale + 0.5) as u8;
     let shared = u8::try_from(exponent + 128).unwrap_or_default();
     [mantissa(c.r), mantissa(c.g), mantissa(c.b), shared]
 }
