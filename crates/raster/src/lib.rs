@@ -9,17 +9,14 @@
 //! | [`texture`] | mip chains in linear light, filters from point sampling to elliptical weighted averages, normal maps |
 //! | [`two_part`] | textures on objects by way of an intermediate surface (Bier and Sloan 1986) |
 //! | [`bump`], [`reflection`] | normals tilted by heights and normal maps, distant bumps as roughness; Phong's models |
+//! | [`environment`] | light from all directions in eight projections, conversion between any two, levels by roughness, spherical harmonics |
 //! | [`colormap`] | numbers as colours: perceptually even tables, isolines, element edges |
-//! | [`image`], [`tonemap`], [`color`] | pictures in memory and in files, light into the range of a display |
+//! | [`image`], [`tonemap`], [`color`] | pictures in memory and in files (read: PNG, JPEG, WebP, Radiance, OpenEXR), light into the range of a display |
 //!
 //! # Current state
 //! Nothing here panics on the coordinates it is given: what is not finite is not drawn, and where a mapping or a bump is
 //! not defined there is none. Bumps cast no shadows, and meshes are not displaced. The front page of each module states
 //! its errors and what it does not do.
-//! [`triangle`] draws perspective-correct triangles with a z-buffer and item buffers ([`clip`] cuts them in homogeneous
-//! coordinates before), [`tonemap`] brings light into the range of a display, [`image`] holds, reads and stores pictures
-//! (read: PNG, JPEG, WebP, Radiance, OpenEXR; written: PNG, Radiance, OpenEXR), and [`environment`] keeps light from all
-//! directions in them, in eight projections. Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
 #![forbid(unsafe_code)]
 
 pub mod antialias;
