@@ -26,14 +26,14 @@ pub mod surface;
 pub mod texture;
 pub mod vs3;
 
-pub use camera::{Camera, Projection};
+pub use camera::{Camera, FisheyeMapping, Projection};
 pub use error::SceneError;
 pub use light::{Light, LightKind};
-pub use material::{AlphaMode, Material, TextureSlot};
+pub use material::{AlphaMode, Material, Relief, ReliefKind, TextureSlot};
 pub use mesh::{Face, Instance, Mesh};
 pub use open::{open, open_bytes, open_path};
 pub use options::{MetalsAs, SceneOptions};
 pub use report::{ImportReport, Warning};
 pub use scene::{Scene, Units, ViewFactorRequest};
 pub use surface::SurfaceSample;
-pub use texture::{Texture, TextureImage, Wrap};
+pub use texture::{Magnify, Minify, Texture, TextureImage, Wrap};

@@ -23,6 +23,28 @@ pub enum Wrap {
     ClampToEdge,
 }
 
+/// What the file asks for where a texel covers more than a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Magnify {
+    /// The texel that is nearest.
+    Nearest,
+    /// Interpolated between four.
+    #[default]
+    Linear,
+}
+
+/// What the file asks for where a sample covers more than a texel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Minify {
+    /// The nearest texel of the whole picture.
+    Nearest,
+    /// Four texels of the whole picture.
+    Linear,
+    /// Any way of averaging; files that say nothing, or name a kind of mipmap, mean this.
+    #[default]
+    Mipmap,
+}
+
 /// A picture with a rule for its borders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Texture {
@@ -30,6 +52,22 @@ pub struct Texture {
     pub image: usize,
     /// Rules along u and v.
     pub wrap: [Wrap; 2],
+    /// What the file asks for close up.
+    pub magnify: Magnify,
+    /// And from afar.
+    pub minify: Minify,
+}
+
+impl Texture {
+    /// A picture with the usual filters.
+    pub fn new(image: usize, wrap: [Wrap; 2]) -> Self {
+        Self {
+            image,
+            wrap,
+            magnify: Magnify::default(),
+            minify: Minify::default(),
+        }
+    }
 }
 
 /// A PNG or JPEG file and its pixels.
