@@ -9,6 +9,7 @@
 //! sRGB, OpenEXR in linear light). Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
 #![forbid(unsafe_code)]
 
+pub mod antialias;
 pub mod bump;
 pub mod clip;
 pub mod color;
