@@ -1,6 +1,8 @@
 //! A solution made ready to be drawn from any camera.
 
-use crate::options::RenderOptions;
+use crate::options::{RenderOptions, TextureFilter};
+use crate::sight::SurfaceHit;
+use core::ops::Range;
 use hemicube_radiosity::solve::ambient::ambient_irradiance;
 use hemicube_radiosity::{DrawnMesh, Solution, SolverKind};
 use hemicube_raster::Rgb;
@@ -48,12 +50,16 @@ pub(crate) struct Stage<'a> {
     pub drawn: DrawnMesh,
     /// All triangles in the order of the drawn mesh.
     pub triangles: Vec<StageTriangle>,
+    /// For each element the first of its triangles.
+    first_triangles: Vec<u32>,
     /// Irradiance that is added everywhere, also to the elements' own values.
     pub extra: Rgb,
     /// For each element what dimming makes of its emission.
     pub dims: Vec<Rgb>,
     /// Radiance where nothing is drawn.
     pub behind: Rgb,
+    /// How textures are read.
+    pub filter: TextureFilter,
 }
 
 impl<'a> Stage<'a> {
@@ -61,14 +67,40 @@ impl<'a> Stage<'a> {
         let extra = extra_irradiance(solution, options);
         let drawn = DrawnMesh::new(solution, extra);
         let scene = solution.mesh().scene();
+        let triangles = triangles(&drawn, scene);
         Self {
-            triangles: triangles(&drawn, scene),
+            first_triangles: first_triangles(&triangles, solution.mesh().elements().len()),
+            triangles,
             dims: emission_dims(solution),
             behind: behind(solution, options),
+            filter: options.texture_filter,
             solution,
             drawn,
             extra,
         }
+    }
+
+    /// The triangle of a hit.
+    pub fn triangle(&self, hit: &SurfaceHit) -> &StageTriangle {
+        &self.triangles[hit.triangle as usize]
+    }
+
+    /// The scene's material at a hit.
+    pub fn material_of(&self, hit: &SurfaceHit) -> usize {
+        self.drawn.parts[self.triangle(hit).part as usize].material
+    }
+
+    /// The scene's instance to which a triangle belongs.
+    pub fn instance_of(&self, triangle: &StageTriangle) -> usize {
+        self.drawn.parts[triangle.part as usize].instance
+    }
+
+    /// The triangles of an element, one after the other.
+    pub fn triangles_of(&self, element: usize) -> Range<usize> {
+        let first = self.first_triangles[element] as usize;
+        let element = index32(element);
+        let same = |t: &&StageTriangle| t.element == element;
+        first..first + self.triangles[first..].iter().take_while(same).count()
     }
 
     pub fn scene(&self) -> &Scene {
@@ -99,6 +131,19 @@ fn triangles(drawn: &DrawnMesh, scene: &Scene) -> Vec<StageTriangle> {
         staged.collect::<Vec<_>>()
     };
     (0..).zip(&drawn.parts).flat_map(of_part).collect()
+}
+
+/// For each element the first of its triangles; they are neighbours, all elements have some.
+fn first_triangles(triangles: &[StageTriangle], elements: usize) -> Vec<u32> {
+    let mut first = vec![0; elements];
+    for (number, triangle) in triangles.iter().enumerate().rev() {
+        first[triangle.element as usize] = index32(number);
+    }
+    first
+}
+
+fn index32(index: usize) -> u32 {
+    u32::try_from(index).expect("fewer than 2^32 triangles")
 }
 
 /// Dimmed by undimmed exitance; 1 where an element emits nothing.

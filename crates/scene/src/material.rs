@@ -104,6 +104,11 @@ impl TextureSlot {
         }
     }
 
+    /// The mesh's coordinates of the set that it uses; 0 where the mesh lacks it.
+    pub fn texcoord(&self, sets: &[Vec2]) -> Vec2 {
+        sets.get(self.texcoord_set).copied().unwrap_or(Vec2::ZERO)
+    }
+
     /// The texture's coordinates for the mesh's.
     pub fn coordinates(&self, texcoord: Vec2) -> Vec2 {
         self.transform.transform_point2(texcoord)
