@@ -14,6 +14,7 @@ pub mod bump;
 pub mod clip;
 pub mod color;
 pub mod image;
+pub mod texture;
 pub mod tonemap;
 pub mod triangle;
 
