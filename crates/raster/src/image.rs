@@ -1,5 +1,11 @@
 //! Pictures in memory and in files.
 
+mod exr;
+mod hdr;
+mod read;
+
+pub use read::{Format, Picture, ReadError, ReadOptions, Values, open_picture, read_picture};
+
 use crate::color::{Rgb, srgb8_from_linear};
 use std::io::{Seek, Write};
 
@@ -90,10 +96,10 @@ impl<P> Image<P> {
 pub enum ImageError {
     /// The PNG encoder failed.
     #[error("PNG: {0}")]
-    Png(#[from] image::ImageError),
+    Png(#[from] ::image::ImageError),
     /// The OpenEXR encoder failed.
     #[error("OpenEXR: {0}")]
-    Exr(#[from] exr::error::Error),
+    Exr(#[from] ::exr::error::Error),
 }
 
 impl Image<Rgb> {
@@ -104,26 +110,26 @@ impl Image<Rgb> {
             .iter()
             .flat_map(|c| c.to_array().map(srgb8_from_linear))
             .collect();
-        let encoder = image::codecs::png::PngEncoder::new(out);
+        let encoder = ::image::codecs::png::PngEncoder::new(out);
         let (width, height) = (dimension(self.width), dimension(self.height));
-        image::ImageEncoder::write_image(
+        ::image::ImageEncoder::write_image(
             encoder,
             &bytes,
             width,
             height,
-            image::ExtendedColorType::Rgb8,
+            ::image::ExtendedColorType::Rgb8,
         )?;
         Ok(())
     }
 
     /// Writes linear 32-bit OpenEXR with channels R, G, B (Rec. 709 primaries, the format's default).
     pub fn write_exr(&self, out: impl Write + Seek) -> Result<(), ImageError> {
-        use exr::prelude::{SpecificChannels, WritableImage};
-        let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
+        use ::exr::prelude::{SpecificChannels, WritableImage};
+        let channels = SpecificChannels::rgb(|at: ::exr::math::Vec2<usize>| {
             let c = self.pixel(at.x(), at.y());
             (c.r, c.g, c.b)
         });
-        exr::image::Image::from_channels((self.width, self.height), channels)
+        ::exr::image::Image::from_channels((self.width, self.height), channels)
             .write()
             .to_buffered(out)?;
         Ok(())
