@@ -1,6 +1,6 @@
 //! Pictures of a solution.
 
-use crate::args::{GlobalArgs, PictureArgs};
+use crate::args::{GlobalArgs, PictureArgs, ProjectionKind};
 use crate::failure::Failure;
 use crate::output::Target;
 use crate::progress::Bar;
@@ -10,7 +10,7 @@ use hemicube::raster::tonemap::Exposure;
 use hemicube::raster::triangle::Viewport;
 use hemicube::raster::{Image, Rgb};
 use hemicube::render::{RenderOptions, Renderer, choose_camera};
-use hemicube::scene::{Camera, Projection, Scene};
+use hemicube::scene::{Camera, FisheyeMapping, Projection, Scene};
 use std::io::Cursor;
 
 /// Endings of pictures that can be written.
@@ -22,6 +22,9 @@ const PLAIN: (u32, u32) = (960, 640);
 
 /// Angle of view in degrees of a camera that is made from `--eye`.
 const FOV: f32 = 60.0;
+
+/// Largest vertical angle of view in degrees of a picture on a plane.
+const MAX_FLAT_FOV: f32 = 170.0;
 
 /// What is wrong with the options, as far as the scene tells before it is solved.
 pub fn check(scene: &Scene, args: &PictureArgs) -> Result<(), Failure> {
@@ -35,8 +38,10 @@ pub fn check(scene: &Scene, args: &PictureArgs) -> Result<(), Failure> {
             "--size {width}x{height}: at most {most} pixels fit, 7680x4320 for example; make a side smaller"
         )));
     }
-    let antialias = args.antialias.unwrap_or(RenderOptions::default().antialias);
-    if width.max(height) as usize * antialias as usize > Viewport::MAX_SIDE {
+    let defaults = RenderOptions::default();
+    let antialias = args.antialias.unwrap_or(defaults.antialias);
+    let side = width.max(height) as usize;
+    if defaults.with_antialias(antialias).samples_of_side(side) > Viewport::MAX_SIDE {
         let most = Viewport::MAX_SIDE;
         return Err(Failure::Usage(format!(
             "--size {width}x{height} with --antialias {antialias}: a side may have {most} samples; make one of them smaller"
@@ -65,6 +70,7 @@ impl<'a> View<'a> {
             height: height as usize,
             shading: args.shading.unwrap_or(defaults.shading),
             antialias: args.antialias.unwrap_or(defaults.antialias),
+            texture_filter: args.texture_filter.unwrap_or(defaults.texture_filter),
             gather_rays: args.gather_rays.unwrap_or(defaults.gather_rays),
             ..defaults
         };
@@ -163,19 +169,64 @@ fn camera(solution: &Solution, args: &PictureArgs) -> Result<Camera, Failure> {
             .cloned()
             .unwrap_or_else(|| choose_camera(solution.mesh()))
     };
-    match (&mut camera.projection, args.fov) {
-        (Projection::Perspective { vertical_fov, .. }, Some(degrees)) => {
-            *vertical_fov = degrees.to_radians();
-        }
-        (Projection::Orthographic { .. }, Some(_)) => {
-            return Err(Failure::Usage(format!(
-                "--fov: camera '{}' is orthographic and has no angle of view",
-                camera.name
-            )));
-        }
-        (_, None) => {}
-    }
+    project(&mut camera, args)?;
     Ok(camera)
+}
+
+/// Gives the camera the projection and the angle of view that the options ask for.
+fn project(camera: &mut Camera, args: &PictureArgs) -> Result<(), Failure> {
+    let degrees = |default: f32| args.fov.unwrap_or(default).to_radians();
+    let fisheye = |mapping| Projection::Fisheye {
+        angle: degrees(180.0),
+        mapping,
+    };
+    match args.projection {
+        Some(ProjectionKind::Panorama) => {
+            camera.projection = Projection::Panorama;
+            level(camera);
+        }
+        Some(ProjectionKind::Fisheye) => camera.projection = fisheye(FisheyeMapping::Equidistant),
+        Some(ProjectionKind::FisheyeEquisolid) => {
+            camera.projection = fisheye(FisheyeMapping::Equisolid);
+        }
+        Some(ProjectionKind::Perspective)
+            if !matches!(camera.projection, Projection::Perspective { .. }) =>
+        {
+            let vertical_fov = degrees(FOV);
+            camera.projection = Projection::Perspective {
+                vertical_fov,
+                aspect: None,
+            };
+        }
+        Some(ProjectionKind::Perspective) | None => {}
+    }
+    let refused = |what: String| Err(Failure::Usage(format!("--fov: {what}")));
+    match (&mut camera.projection, args.fov) {
+        (Projection::Perspective { .. }, Some(given)) if given > MAX_FLAT_FOV => refused(format!(
+            "{given} degrees do not fit a flat picture; use at most {MAX_FLAT_FOV}, or --projection fisheye"
+        )),
+        (Projection::Perspective { vertical_fov, .. }, Some(given)) => {
+            *vertical_fov = given.to_radians();
+            Ok(())
+        }
+        (Projection::Orthographic { .. }, Some(_)) => refused(format!(
+            "camera '{}' is orthographic and has no angle of view",
+            camera.name
+        )),
+        (Projection::Panorama, Some(_)) => refused(String::from("a panorama shows all directions")),
+        (Projection::Fisheye { .. }, Some(_)) | (_, None) => Ok(()),
+    }
+}
+
+/// Turns a camera until it looks along the ground, so that a panorama's horizon is straight.
+fn level(camera: &mut Camera) {
+    let ahead = camera.forward.reject_from_normalized(Vec3::Y);
+    let ahead = ahead.try_normalize().or_else(|| {
+        // One that looks straight up or down has its heading at the top of its picture.
+        camera.up.reject_from_normalized(Vec3::Y).try_normalize()
+    });
+    camera.forward = ahead.unwrap_or(Vec3::NEG_Z);
+    camera.up = Vec3::Y;
 }
 
 /// A size in the camera's proportions.
@@ -186,6 +237,8 @@ fn default_size(camera: &Camera) -> (u32, u32) {
             half_width,
             half_height,
         } => Some(half_width / half_height),
+        Projection::Panorama => Some(2.0),
+        Projection::Fisheye { .. } => Some(1.0),
     };
     let Some(aspect) = aspect.filter(|a| a.is_finite() && *a > 0.0) else {
         return PLAIN;

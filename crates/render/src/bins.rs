@@ -95,8 +95,8 @@ fn farthest(stage: &Stage<'_>, camera: &Camera) -> f64 {
 fn project(stage: &Stage<'_>, camera: &Camera, grid: &Grid, near: f64, far: f64) -> Vec<Vec4> {
     let aspect = grid.width as f64 / grid.height as f64;
     let (scale, offset) = grid.clip_scale_and_offset();
-    let grid_from_clip = DMat4::from_translation(offset.extend(0.0))
-        * DMat4::from_scale(scale.extend(1.0));
+    let grid_from_clip =
+        DMat4::from_translation(offset.extend(0.0)) * DMat4::from_scale(scale.extend(1.0));
     let clip_from_world = grid_from_clip * clip_from_world(camera, aspect, near, far);
     let positions = stage.drawn.positions.par_iter();
     let clip = |p: &glam::Vec3| (clip_from_world * p.as_dvec3().extend(1.0)).as_vec4();

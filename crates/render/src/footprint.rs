@@ -18,8 +18,7 @@ impl Footprint {
     /// plane (Igehy 1999, equations 10 to 12). `spacing` is the distance of samples in pixels. A ray along the plane has
     /// an infinite one, which samplers bound.
     pub fn new(stage: &Stage<'_>, hit: &SurfaceHit, ray: &CameraRay, spacing: f64) -> Self {
-        let [a, b, c] =
-            corners(stage.triangle(hit)).map(|c| stage.drawn.positions[c].as_dvec3());
+        let [a, b, c] = corners(stage.triangle(hit)).map(|c| stage.drawn.positions[c].as_dvec3());
         let (e1, e2) = (b - a, c - a);
         let normal = e1.cross(e2);
         let [v, w] = hit.weights.map(f64::from);
@@ -50,7 +49,10 @@ impl Footprint {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "footprints are kept in f32")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "footprints are kept in f32"
+)]
 fn narrow(x: f64) -> f32 {
     x as f32
 }

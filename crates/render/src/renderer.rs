@@ -1,16 +1,17 @@
 //! Solution in, picture out.
 
-use crate::band::Band;
-use crate::bins::Bins;
 use crate::error::RenderError;
+use crate::grid::Grid;
+use crate::lens::Lens;
 use crate::options::{RenderOptions, Shading};
 use crate::projection::check_camera;
-use crate::shade::{PixelCache, Shader};
+use crate::shade::{BlockCache, Light, Shader};
+use crate::sight::{SightFinder, Sights};
 use crate::stage::Stage;
 use core::sync::atomic::{AtomicUsize, Ordering};
 use hemicube_radiosity::{GatherOptions, Gatherer, Solution};
+use hemicube_raster::antialias::Antialiasing;
 use hemicube_raster::tonemap::{Exposure, ToneMap};
-use hemicube_raster::triangle::Viewport;
 use hemicube_raster::{Image, Rgb};
 use hemicube_scene::Camera;
 use rayon::prelude::*;
@@ -130,9 +131,8 @@ impl<'a> Renderer<'a> {
         let small = self
             .options
             .with_size(width, height)
-            .with_antialias(1)
-            .with_shading(Shading::Gouraud);
-        let shader = Shader::of_values(&self.stage, small.shading).with_behind(Rgb::BLACK);
+            .with_antialias(Antialiasing::NONE);
+        let shader = self.shader(&small, Light::Gouraud).with_behind(Rgb::BLACK);
         let image = draw(&shader, self.camera, &small, |radiance| radiance, |_| {});
         exposure.factor(image.pixels().iter().map(|c| c.luminance()))
     }
@@ -144,31 +144,40 @@ impl<'a> Renderer<'a> {
                 progress(share);
             }
         };
-        draw(&self.shader(), self.camera, &self.options, resolve, report)
+        let shader = self.shader(&self.options, self.light());
+        draw(&shader, self.camera, &self.options, resolve, report)
     }
 
-    fn shader(&self) -> Shader<'_> {
+    fn shader<'b>(&'b self, options: &RenderOptions, light: Light<'b>) -> Shader<'b> {
+        let lens = Lens::new(self.camera, options.width, options.height);
+        let spacing = 1.0 / options.antialias.factor.get() as f64;
+        Shader::new(&self.stage, light, lens, spacing)
+    }
+
+    fn light(&self) -> Light<'_> {
         let options = &self.options;
-        if options.shading != Shading::Gather {
-            return Shader::of_values(&self.stage, options.shading);
+        match options.shading {
+            Shading::Flat => Light::Flat,
+            Shading::Gouraud => Light::Gouraud,
+            Shading::Gather => {
+                // Shadows of lights without an area have hard edges, which every sample must look for. Everything else is
+                // smooth within a pixel.
+                let shared = self.stage.scene().lights.is_empty();
+                let samples = options.antialias.factor.get().pow(2);
+                let rays = if shared {
+                    options.gather_rays
+                } else {
+                    let samples = u32::try_from(samples).expect("1024 at most");
+                    options.gather_rays.div_ceil(samples)
+                };
+                let gather = GatherOptions {
+                    rays,
+                    ..GatherOptions::default()
+                };
+                let gatherer = Gatherer::new(self.stage.solution, gather);
+                Light::Gather { gatherer, shared }
+            }
         }
-        // Shadows of lights without an area have hard edges, which every sample must look for. Everything else is
-        // smooth within a pixel.
-        let shared = self.stage.scene().lights.is_empty();
-        let rays = if shared {
-            options.gather_rays
-        } else {
-            options.gather_rays.div_ceil(options.antialias.pow(2))
-        };
-        let gather = GatherOptions {
-            rays,
-            ..GatherOptions::default()
-        };
-        Shader::gathering(
-            &self.stage,
-            Gatherer::new(self.stage.solution, gather),
-            shared,
-        )
     }
 }
 
@@ -187,38 +196,59 @@ fn draw(
     resolve: impl Fn(Rgb) -> Rgb + Sync,
     report: impl Fn(f64) + Sync,
 ) -> Image<Rgb> {
-    let n = options.antialias as usize;
-    let viewport = Viewport::new(options.width * n, options.height * n);
-    let most = if options.shading == Shading::Gather {
+    let most_rows = if shader.gathers() {
         GATHERED_BAND_ROWS
     } else {
         BAND_ROWS
     };
-    let rows = (BAND_SAMPLES / (viewport.width * n)).clamp(1, most);
-    let bins = Bins::new(shader.stage, camera, viewport, rows * n);
-    let order = from_the_centre(n);
+    let grid = Grid::new(options, most_rows, BAND_SAMPLES);
+    let sight = SightFinder::new(shader.stage, camera, &grid, None);
+    let order = from_the_centre(grid.factor());
     let mut pixels = vec![Rgb::BLACK; options.width * options.height];
     let done = AtomicUsize::new(0);
-    let bands = pixels.par_chunks_mut(options.width * rows).enumerate();
-    bands.for_each(|(number, pixels)| {
-        let band = Band::draw(shader.stage, &bins, number);
-        pixels.par_iter_mut().enumerate().for_each(|(i, pixel)| {
-            let (x, y) = (i % options.width, i / options.width);
-            let mut cache = PixelCache::default();
-            let samples = order.iter().map(|&(column, row)| {
-                let sample = (y * n + row) * viewport.width + x * n + column;
-                resolve(shader.radiance(&band, sample, &mut cache))
-            });
-            *pixel = samples.sum::<Rgb>() / (n * n) as f32;
-        });
+    let bands = pixels.par_chunks_mut(grid.band_pixels()).enumerate();
+    bands.for_each(|(band, pixels)| {
+        let sights = sight.band(band);
+        let samples = shade_band(shader, &grid, band, &sights, &order, &resolve);
+        grid.sampler
+            .resolve(grid.pixel_rows(band), &samples, pixels);
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-        report(count as f64 / bins.len() as f64);
+        report(count as f64 / grid.bands() as f64);
     });
     Image::from_pixels(options.width, options.height, pixels).expect("one colour for each pixel")
 }
 
-/// Columns and rows of a pixel's samples, the central ones first: points that are gathered for others stand for the
-/// pixel's middle.
+/// Shades the samples of a band block by block, and hands them on row by row without those that only fill up blocks.
+fn shade_band(
+    shader: &Shader<'_>,
+    grid: &Grid,
+    band: usize,
+    sights: &Sights,
+    order: &[(usize, usize)],
+    resolve: &(impl Fn(Rgb) -> Rgb + Sync),
+) -> Vec<Rgb> {
+    let (rows, columns, k) = (grid.rows(band), grid.columns(), grid.factor());
+    let mut shaded = vec![Rgb::BLACK; rows.len() * columns];
+    shaded
+        .par_chunks_mut(columns * k)
+        .enumerate()
+        .for_each(|(block_row, out)| {
+            for block in (0..columns).step_by(k) {
+                let mut cache = BlockCache::default();
+                for &(column, row) in order {
+                    let (column, local) = (block + column, block_row * k + row);
+                    let at = grid.position(column, rows.start + local);
+                    let sample = local * columns + column;
+                    out[row * columns + column] =
+                        resolve(shader.radiance(sights, sample, at, &mut cache));
+                }
+            }
+        });
+    grid.without_filling(band, shaded)
+}
+
+/// Columns and rows of a block's samples, the central ones first: points that are gathered for others stand for the
+/// block's middle.
 fn from_the_centre(n: usize) -> Vec<(usize, usize)> {
     let mut order: Vec<(usize, usize)> = (0..n * n).map(|i| (i % n, i / n)).collect();
     let off = |k: usize| (2 * k + 1).abs_diff(n).pow(2);

@@ -1,5 +1,14 @@
 //! What samples see: the nearest surface that hides what is behind, and the layers of glass before it.
 
+use crate::band::draw_band;
+use crate::bins::Bins;
+use crate::grid::Grid;
+use crate::lens::Lens;
+use crate::projection::keeps_lines;
+use crate::stage::Stage;
+use crate::trace::trace_band;
+use hemicube_scene::Camera;
+
 /// A point of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SurfaceHit {
@@ -76,6 +85,45 @@ impl Sights {
             .iter()
             .take_while(of_sample)
             .map(|l| &l.hit)
+    }
+}
+
+/// Finds what bands see: by drawing triangles where projection and pattern allow it, which is quicker, else by rays.
+#[derive(Debug)]
+pub(crate) struct SightFinder<'s> {
+    stage: &'s Stage<'s>,
+    grid: &'s Grid,
+    lens: Lens,
+    /// If triangles are drawn.
+    bins: Option<Bins>,
+    /// Instance that is not seen.
+    without: Option<usize>,
+}
+
+impl<'s> SightFinder<'s> {
+    /// For a camera that passed its door. Of an instance that is named nothing is seen.
+    pub fn new(
+        stage: &'s Stage<'s>,
+        camera: &Camera,
+        grid: &'s Grid,
+        without: Option<usize>,
+    ) -> Self {
+        let draws = grid.is_regular && keeps_lines(camera.projection);
+        Self {
+            bins: draws.then(|| Bins::new(stage, camera, grid, without)),
+            lens: Lens::new(camera, grid.width, grid.height),
+            stage,
+            grid,
+            without,
+        }
+    }
+
+    /// What a band sees.
+    pub fn band(&self, band: usize) -> Sights {
+        match &self.bins {
+            Some(bins) => draw_band(self.stage, bins, band),
+            None => trace_band(self.stage, &self.lens, self.grid, band, self.without),
+        }
     }
 }
 

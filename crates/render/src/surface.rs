@@ -1,7 +1,7 @@
 //! Points of surfaces: attributes between vertices, and what the material does with light there.
 
 use crate::sight::SurfaceHit;
-use crate::stage::{Cover, Stage, StageTriangle};
+use crate::stage::{Stage, StageTriangle};
 use core::ops::{Add, Mul, Sub};
 use glam::{Vec2, Vec3};
 use hemicube_raster::Rgb;

@@ -36,4 +36,4 @@ pub use options::{MetalsAs, SceneOptions};
 pub use report::{ImportReport, Warning};
 pub use scene::{Scene, Units, ViewFactorRequest};
 pub use surface::SurfaceSample;
-pub use texture::{Magnify, Minify, Texture, TextureImage, Wrap};
+pub use texture::{Magnify, Minify, Texture, TextureImage, TextureUse, Wrap};

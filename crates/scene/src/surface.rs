@@ -81,7 +81,9 @@ impl Scene {
 
         // Read only where it matters.
         let metallic = if self.metals == MetalsAs::Black || material.transmission > 0.0 {
-            factor(material.metallic, || texel(material.metallic_texture, false)[2])
+            factor(material.metallic, || {
+                texel(material.metallic_texture, false)[2]
+            })
         } else {
             0.0
         };

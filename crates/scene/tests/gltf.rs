@@ -840,7 +840,7 @@ fn a_picture_that_cannot_be_used_costs_its_slot() {
     for (image, part) in [
         (
             json!({"uri": "data:image/png;base64,AAAA"}),
-            "neither PNG nor JPEG",
+            "neither PNG, JPEG nor WebP",
         ),
         (json!({"uri": "data:image/png;base64,%%"}), "not base64"),
         (json!({"uri": "missing.png"}), "no folder is known"),

@@ -7,7 +7,7 @@ mod scene;
 mod solve;
 
 pub use form_factors::FormFactorsVerb;
-pub use picture::PictureArgs;
+pub use picture::{PictureArgs, ProjectionKind};
 pub use scene::SceneArgs;
 pub use solve::{MeshArgs, SolveArgs};
 

@@ -72,11 +72,11 @@ pub fn length(text: &str) -> Result<f32, String> {
 
 /// An angle of view in degrees
 pub fn angle(text: &str) -> Result<f32, String> {
-    let inside = |x: &f32| *x >= 1.0 && *x <= 170.0;
+    let inside = |x: &f32| *x >= 1.0 && *x <= 360.0;
     text.parse()
         .ok()
         .filter(inside)
-        .ok_or_else(|| format!("'{text}' is not an angle of view from 1 to 170 degrees"))
+        .ok_or_else(|| format!("'{text}' is not an angle of view from 1 to 360 degrees"))
 }
 
 /// A share of the emitted light

@@ -274,7 +274,11 @@ fn material(name: &str, from: &Definition, maps: &mut Maps<'_>, scene: &mut Scen
 
 /// `Pm`; its map alone is the share as it stands.
 fn metallic(from: &Definition) -> f32 {
-    let default = if from.map_metallic.is_some() { 1.0 } else { 0.0 };
+    let default = if from.map_metallic.is_some() {
+        1.0
+    } else {
+        0.0
+    };
     from.metallic.unwrap_or(default).clamp(0.0, 1.0)
 }
 
@@ -346,7 +350,11 @@ impl Maps<'_> {
         let map = from.map_normal.as_ref().or(from.map_height.as_ref())?;
         let slot = self.slot(map, place, scene)?;
         let multiplier = f32::from_bits(map.bump_multiplier);
-        let multiplier = if multiplier.is_finite() { multiplier } else { 1.0 };
+        let multiplier = if multiplier.is_finite() {
+            multiplier
+        } else {
+            1.0
+        };
         let image = &scene.images[scene.textures[slot.texture].image];
         let kind = if from.map_normal.is_some() || holds_normals(image) {
             ReliefKind::Normal { scale: multiplier }
