@@ -13,6 +13,7 @@ pub mod antialias;
 pub mod bump;
 pub mod clip;
 pub mod color;
+pub mod environment;
 pub mod image;
 pub mod texture;
 pub mod tonemap;

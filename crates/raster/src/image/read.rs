@@ -304,7 +304,7 @@ fn png_gamma(bytes: &[u8]) -> Option<f64> {
             b"gAMA" => {
                 gamma = after
                     .first_chunk()
-                    .map(|&n| f64::from(u32::from_be_bytes(n)))
+                    .map(|&n| f64::from(u32::from_be_bytes(n)));
             }
             b"IDAT" => return gamma.map(|scaled| scaled / 100_000.0),
             _ => {}
