@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod exhibit;
+mod stage;
 
 pub use exhibit::{Exhibit, GalleryError, Piece, Request};
 

@@ -15,9 +15,11 @@ pub mod clip;
 pub mod color;
 pub mod environment;
 pub mod image;
+pub mod reflection;
 pub mod texture;
 pub mod tonemap;
 pub mod triangle;
+pub mod two_part;
 
 pub use color::Rgb;
 pub use image::Image;
