@@ -26,11 +26,14 @@ mod interior_view;
 mod lens;
 mod options;
 mod projection;
+mod relief;
 mod renderer;
 mod shade;
 mod sight;
 mod stage;
 mod surface;
+mod tangents;
+mod tilt;
 mod trace;
 
 pub use auto_camera::choose_camera;

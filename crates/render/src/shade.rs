@@ -3,9 +3,10 @@
 use crate::filtering::filtered_texel;
 use crate::footprint::Footprint;
 use crate::lens::Lens;
+use crate::relief::bumped;
 use crate::sight::{Sights, SurfaceHit};
 use crate::stage::Stage;
-use crate::surface::{finest_texel, interpolated, place};
+use crate::surface::{corners, finest_texel, interpolated, mixed, place};
 use core::f32::consts::PI;
 use glam::{DVec2, Vec3};
 use hemicube_radiosity::Gatherer;
@@ -108,48 +109,65 @@ impl<'a> Shader<'a> {
 
     /// Radiance `L = emission + reflectance × H / π` that a surface itself sends to the eye, and its transmittance.
     fn surface_radiance(&self, hit: &SurfaceHit, at: DVec2, cache: &mut BlockCache) -> (Rgb, Rgb) {
-        let surface = self.surface_at(hit, at);
-        let element = self.stage.triangle(hit).element as usize;
-        let emission = surface.emission * self.stage.dims[element];
+        let stage = self.stage;
+        let footprint = self.footprint(hit, at);
+        let surface = self.surface_at(hit, footprint.as_ref());
+        let element = stage.triangle(hit).element as usize;
+        let emission = surface.emission * stage.dims[element];
         if surface.reflectance.is_black() {
             return (emission, surface.transmittance);
         }
-        let reflected = surface.reflectance * self.irradiance(hit, cache) * (1.0 / PI);
+        let material = &stage.scene().materials[stage.material_of(hit)];
+        let relief = material.relief.zip(footprint);
+        let bump = relief.map(|(relief, footprint)| {
+            let (_, flat) = place(stage, hit);
+            let bumped = bumped(stage, hit, &footprint, relief, flat).normal;
+            Bump { flat, bumped }
+        });
+        let reflected = surface.reflectance * self.irradiance(hit, bump, cache) * (1.0 / PI);
         (emission + reflected, surface.transmittance)
     }
 
-    /// What the material does with light at a point; textures are filtered over what the sample sees of them.
-    fn surface_at(&self, hit: &SurfaceHit, at: DVec2) -> SurfaceSample {
+    /// What a sample sees of textures, where the material has some.
+    fn footprint(&self, hit: &SurfaceHit, at: DVec2) -> Option<Footprint> {
         let stage = self.stage;
-        let material = stage.material_of(hit);
-        let color = interpolated(stage, hit, &stage.drawn.colors);
-        let scene = stage.scene();
-        let is_textured = scene.materials[material].slots().next().is_some();
-        let ray = if is_textured { self.lens.ray(at) } else { None };
-        match ray {
-            None => scene.surface_with(material, color, |slot, srgb| {
-                finest_texel(stage, hit, slot, srgb)
-            }),
-            Some(ray) => {
-                let footprint = Footprint::new(stage, hit, &ray, self.spacing);
-                scene.surface_with(material, color, |slot, srgb| {
-                    filtered_texel(stage, hit, &footprint, slot, srgb)
-                })
-            }
-        }
+        let material = &stage.scene().materials[stage.material_of(hit)];
+        material.slots().next()?;
+        let ray = self.lens.ray(at)?;
+        Some(Footprint::new(stage, hit, &ray, self.spacing))
     }
 
-    fn irradiance(&self, hit: &SurfaceHit, cache: &mut BlockCache) -> Rgb {
+    /// What the material does with light at a point; textures are filtered over what the sample sees of them.
+    fn surface_at(&self, hit: &SurfaceHit, footprint: Option<&Footprint>) -> SurfaceSample {
         let stage = self.stage;
+        let color = interpolated(stage, hit, &stage.drawn.colors);
+        let texel = |slot, srgb| match footprint {
+            Some(footprint) => filtered_texel(stage, hit, footprint, slot, srgb),
+            None => finest_texel(stage, hit, slot, srgb),
+        };
+        stage
+            .scene()
+            .surface_with(stage.material_of(hit), color, texel)
+    }
+
+    /// Irradiance of the flat surface, or of what a relief makes of it.
+    fn irradiance(&self, hit: &SurfaceHit, bump: Option<Bump>, cache: &mut BlockCache) -> Rgb {
+        let stage = self.stage;
+        let bump = bump.filter(|bump| bump.flat != bump.bumped);
         match &self.light {
             Light::Flat => {
                 let element = stage.triangle(hit).element as usize;
-                stage.solution.element_irradiance(element) + stage.extra
+                let solved = stage.solution.element_irradiance(element) + stage.extra;
+                self.tilted(hit, [solved; 3], bump)
             }
-            Light::Gouraud => interpolated(stage, hit, &stage.drawn.irradiance),
+            Light::Gouraud => {
+                let solved = corners(stage.triangle(hit)).map(|c| stage.drawn.irradiance[c]);
+                self.tilted(hit, solved, bump)
+            }
             Light::Gather { gatherer, shared } => {
                 let part = stage.triangle(hit).part;
-                let (position, normal) = place(stage, hit);
+                let (position, flat) = place(stage, hit);
+                let normal = bump.map_or(flat, |bump| bump.bumped);
                 let same = |g: &&Gathered| *shared && g.is_beside(part, position, normal);
                 if let Some(known) = cache.0.iter().find(same) {
                     return known.irradiance;
@@ -165,6 +183,25 @@ impl<'a> Shader<'a> {
             }
         }
     }
+
+    /// Irradiances of a triangle's corners, tilted and interpolated.
+    fn tilted(&self, hit: &SurfaceHit, solved: [Rgb; 3], bump: Option<Bump>) -> Rgb {
+        let stage = self.stage;
+        let (Some(Bump { flat, bumped }), Some(light)) = (bump, &stage.tilted) else {
+            return mixed(solved, hit.weights);
+        };
+        let tilt = bumped - flat * flat.dot(bumped);
+        let vertices = corners(stage.triangle(hit));
+        let turned = |i: usize| solved[i] * light.factor(stage, vertices[i], tilt);
+        mixed(core::array::from_fn(turned), hit.weights)
+    }
+}
+
+/// A normal and what a relief makes of it.
+#[derive(Debug, Clone, Copy)]
+struct Bump {
+    flat: Vec3,
+    bumped: Vec3,
 }
 
 impl Gathered {

@@ -2,6 +2,8 @@
 
 use crate::options::{RenderOptions, TextureFilter};
 use crate::sight::SurfaceHit;
+use crate::tangents::Tangents;
+use crate::tilt::TiltedLight;
 use core::ops::Range;
 use hemicube_radiosity::solve::ambient::ambient_irradiance;
 use hemicube_radiosity::{DrawnMesh, Solution, SolverKind};
@@ -60,6 +62,12 @@ pub(crate) struct Stage<'a> {
     pub behind: Rgb,
     /// How textures are read.
     pub filter: TextureFilter,
+    /// Of triangles with a relief.
+    pub tangents: Tangents,
+    /// Light for tilted normals, if any surface has a relief.
+    pub tilted: Option<TiltedLight<'a>>,
+    /// For each vertex one of its elements.
+    elements_of_vertices: Vec<u32>,
 }
 
 impl<'a> Stage<'a> {
@@ -70,10 +78,14 @@ impl<'a> Stage<'a> {
         let triangles = triangles(&drawn, scene);
         Self {
             first_triangles: first_triangles(&triangles, solution.mesh().elements().len()),
-            triangles,
             dims: emission_dims(solution),
             behind: behind(solution, options),
             filter: options.texture_filter,
+            tangents: Tangents::new(solution.mesh(), &drawn),
+            tilted: has_relief(&drawn, scene)
+                .then(|| TiltedLight::new(solution, drawn.positions.len())),
+            elements_of_vertices: elements_of_vertices(&triangles, drawn.positions.len()),
+            triangles,
             solution,
             drawn,
             extra,
@@ -101,6 +113,13 @@ impl<'a> Stage<'a> {
         let element = index32(element);
         let same = |t: &&StageTriangle| t.element == element;
         first..first + self.triangles[first..].iter().take_while(same).count()
+    }
+
+    /// Radiosity of the surface itself at a vertex.
+    pub fn own_radiosity(&self, vertex: usize) -> Rgb {
+        let element = self.elements_of_vertices[vertex] as usize;
+        let reflectance = self.solution.mesh().reflectance()[element];
+        self.solution.element_exitance(element) + reflectance * self.drawn.irradiance[vertex]
     }
 
     pub fn scene(&self) -> &Scene {
@@ -140,6 +159,23 @@ fn first_triangles(triangles: &[StageTriangle], elements: usize) -> Vec<u32> {
         first[triangle.element as usize] = index32(number);
     }
     first
+}
+
+fn has_relief(drawn: &DrawnMesh, scene: &Scene) -> bool {
+    let parts = &drawn.parts;
+    parts
+        .iter()
+        .any(|p| scene.materials[p.material].relief.is_some())
+}
+
+fn elements_of_vertices(triangles: &[StageTriangle], vertices: usize) -> Vec<u32> {
+    let mut elements = vec![0; vertices];
+    for triangle in triangles {
+        for vertex in triangle.corners {
+            elements[vertex as usize] = triangle.element;
+        }
+    }
+    elements
 }
 
 fn index32(index: usize) -> u32 {
