@@ -2,7 +2,9 @@
 
 use core::f64::consts::PI;
 use glam::{Vec2, Vec3};
-use hemicube_raster::environment::{EnvironmentMap, Projection, reflected};
+use hemicube_raster::environment::{
+    EnvironmentMap, Layout, Projection, projection_of_size, reflected,
+};
 use hemicube_raster::{Image, Rgb};
 use proptest::prelude::*;
 
@@ -190,7 +192,7 @@ fn solid_angles_are_integrals_of_the_density() {
                     disc && (2.0 * at - 1.0).length() > 1.0
                 };
                 if !is_outside(projection) {
-                    sum += f64::from(projection.density(at)) / f64::from(256 * n as u32 * n as u32);
+                    sum += f64::from(projection.density(at)) / (256 * n * n) as f64;
                 }
             }
             // The rim is found to a 64th of a texel; the density of a hemispherical one is infinite there.
@@ -236,9 +238,7 @@ fn texel_centres_are_returned_exactly() {
                         map.projection()
                             .texel_solid_angle((map.width(), map.height()), x, y);
                     let d = map.direction(face, x, y);
-                    if inside
-                        > 0.7 * projection.covered() / (f64::from(64 * projection.faces() as u32))
-                    {
+                    if inside > 0.7 * projection.covered() / (64.0 * projection.faces() as f64) {
                         let found = map.radiance(d);
                         let wanted = map.texel(face, x, y);
                         let difference = (found - wanted).map(f32::abs).max_band();
@@ -346,4 +346,74 @@ fn doors_refuse_what_is_no_map() {
     let furnace = 4.0 * PI;
     let flux = of(Projection::Octahedral, &[square]).expect("a map").flux();
     assert!((flux[0] - furnace).abs() < 1e-12, "{flux:?}");
+}
+
+#[test]
+fn layouts_go_there_and_back() {
+    for projection in Projection::ALL {
+        let map = EnvironmentMap::from_fn(projection, 6, 1, |d| Rgb::new(d.x, d.y, d.z));
+        for layout in Layout::ALL.into_iter().filter(|l| l.fits(projection)) {
+            let image = map.to_image(layout);
+            let back = EnvironmentMap::from_image(projection, &image).expect("its own picture");
+            assert_eq!(back, map, "{projection} as {layout}");
+            if projection == Projection::Cube {
+                let found = projection_of_size(image.width(), image.height());
+                assert_eq!(
+                    found,
+                    Some(projection),
+                    "{layout} of {} x {}",
+                    image.width(),
+                    image.height()
+                );
+            }
+        }
+    }
+    let odd = Image::filled(30, 7, Rgb::WHITE);
+    assert!(
+        EnvironmentMap::from_image(Projection::Cube, &odd).is_err(),
+        "30 x 7"
+    );
+}
+
+/// In a cross neighbours on the sheet are neighbours on the sphere, without a jump.
+#[test]
+fn faces_of_a_cross_join() {
+    let n = 32;
+    let map = EnvironmentMap::from_fn(Projection::Cube, n, 1, |d| Rgb::new(d.x, d.y, d.z));
+    for layout in [Layout::HorizontalCross, Layout::VerticalCross] {
+        let image = map.to_image(layout);
+        let is_far = |a: Rgb, b: Rgb| {
+            a != Rgb::BLACK && b != Rgb::BLACK && (a - b).map(f32::abs).max_band() > 0.1
+        };
+        for y in 1..image.height() {
+            for x in 1..image.width() {
+                let here = *image.pixel(x, y);
+                assert!(
+                    !is_far(here, *image.pixel(x, y - 1)),
+                    "{layout}: above ({x}, {y})"
+                );
+                assert!(
+                    !is_far(here, *image.pixel(x - 1, y)),
+                    "{layout}: left of ({x}, {y})"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn cropped_discs_are_squared() {
+    let image = Image::filled(128, 124, Rgb::WHITE);
+    let map = EnvironmentMap::from_image(Projection::Fisheye, &image).expect("almost square");
+    assert_eq!((map.width(), map.height()), (128, 128), "squared");
+    assert_eq!(
+        (map.texel(0, 64, 1), map.texel(0, 64, 2)),
+        (Rgb::BLACK, Rgb::WHITE),
+        "centred"
+    );
+    let wide = Image::filled(128, 64, Rgb::WHITE);
+    assert!(
+        EnvironmentMap::from_image(Projection::Fisheye, &wide).is_err(),
+        "not square"
+    );
 }

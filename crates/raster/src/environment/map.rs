@@ -42,6 +42,19 @@ pub enum EnvironmentError {
         /// Rows.
         height: usize,
     },
+    /// A picture of faces whose sides fit no layout.
+    #[error(
+        "a picture of {width} x {height} pixels is no {projection} map: it should be {}",
+        if projection.faces() == 2 { "2:1 or 1:2" } else { "6:1, 1:6, 4:3 or 3:4" }
+    )]
+    Layout {
+        /// What was to be made.
+        projection: Projection,
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
     /// Light that is no number.
     #[error("face {face}, pixel ({x}, {y}): {value:?} is not finite; mend the picture")]
     NotFinite {
@@ -326,6 +339,40 @@ impl EnvironmentMap {
             }
             None => (0, 0.0),
         })
+    }
+
+    /// Calls `take` with directions, light and solid angles of the texels of a row, counted through all faces; `angles`
+    /// are [`Self::solid_angles`]. Texels of small maps are cut into parts no larger than those of a map of 128 rows,
+    /// so that sums over them are integrals of what the texels stand for, not of their middles.
+    pub(super) fn parts_of_row(
+        &self,
+        row: usize,
+        angles: &[f64],
+        mut take: impl FnMut(Vec3, Rgb, f64),
+    ) {
+        let (face, y) = (row / self.height, row % self.height);
+        let cuts = 128_usize.div_ceil(self.height).min(16);
+        let size = Vec2::new(self.width as f32, self.height as f32);
+        let is_disc = self.projection.disc().is_some();
+        let place = |x: usize, i: usize| {
+            let share = Vec2::new((i % cuts) as f32, (i / cuts) as f32) + 0.5;
+            let at = (Vec2::new(x as f32, y as f32) + share / cuts as f32) / size;
+            let is_outside = is_disc && (2.0 * at - 1.0).length_squared() > 1.0;
+            (!is_outside).then_some(at)
+        };
+        for x in 0..self.width {
+            let places = || (0..cuts * cuts).filter_map(|i| place(x, i));
+            let density = |at: Vec2| f64::from(self.projection.density(at));
+            let scale = angles[y * self.width + x] / places().map(density).sum::<f64>();
+            let light = self.texel(face, x, y);
+            for at in places() {
+                take(
+                    self.projection.direction(face, at),
+                    light,
+                    scale * density(at),
+                );
+            }
+        }
     }
 
     /// Radiant flux through a small sphere by its cross-section: `∫ L dω`, with exact solid angles of texels.
