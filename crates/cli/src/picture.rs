@@ -2,16 +2,20 @@
 
 use crate::args::{GlobalArgs, PictureArgs, ProjectionKind};
 use crate::failure::Failure;
+use crate::input::read;
 use crate::output::Target;
 use crate::progress::Bar;
 use glam::Vec3;
 use hemicube::radiosity::Solution;
+use hemicube::raster::environment::{self, EnvironmentMap};
+use hemicube::raster::image::{ReadOptions, read_picture};
 use hemicube::raster::tonemap::Exposure;
 use hemicube::raster::triangle::Viewport;
 use hemicube::raster::{Image, Rgb};
-use hemicube::render::{RenderOptions, Renderer, choose_camera};
+use hemicube::render::{Reflections, RenderOptions, Renderer, choose_camera};
 use hemicube::scene::{Camera, FisheyeMapping, Projection, Scene};
 use std::io::Cursor;
+use std::path::Path;
 
 /// Endings of pictures that can be written.
 pub const ENDINGS: &[&str] = &["png", "exr"];
@@ -55,6 +59,7 @@ pub fn check(scene: &Scene, args: &PictureArgs) -> Result<(), Failure> {
 pub struct View<'a> {
     camera: Camera,
     options: RenderOptions,
+    surroundings: Option<EnvironmentMap>,
     args: &'a PictureArgs,
 }
 
@@ -74,9 +79,11 @@ impl<'a> View<'a> {
             gather_rays: args.gather_rays.unwrap_or(defaults.gather_rays),
             ..defaults
         };
+        let surroundings = args.environment_file.as_deref().map(surroundings);
         Ok(Self {
             camera,
             options,
+            surroundings: surroundings.transpose()?,
             args,
         })
     }
@@ -90,8 +97,7 @@ impl<'a> View<'a> {
     ) -> Result<(), Failure> {
         let bar = Bar::new("drawing", global.quiet);
         let progress = |share| bar.show(share, String::new);
-        let renderer =
-            Renderer::new(solution, &self.camera, &self.options)?.with_progress(&progress);
+        let renderer = self.renderer(solution)?.with_progress(&progress);
         let mut file = Cursor::new(Vec::new());
         if target.ends_in("exr") {
             renderer.linear().write_exr(&mut file)?;
@@ -104,16 +110,25 @@ impl<'a> View<'a> {
         target.write(&file.into_inner())
     }
 
+    /// Everything that the options ask of a renderer.
+    fn renderer<'s>(&'s self, solution: &'s Solution) -> Result<Renderer<'s>, Failure> {
+        let mut renderer = Renderer::new(solution, &self.camera, &self.options)?;
+        if let Some(map) = &self.surroundings {
+            renderer = renderer.with_surroundings(map.clone());
+        }
+        Ok(renderer.with_reflections(&reflections(self.args)?)?)
+    }
+
     /// What a display shows of a solution under a given exposure.
     pub fn display(&self, solution: &Solution, exposure: Exposure) -> Result<Image<Rgb>, Failure> {
-        let renderer = Renderer::new(solution, &self.camera, &self.options)?;
+        let renderer = self.renderer(solution)?;
         Ok(renderer.display(exposure, self.args.tonemap.unwrap_or_default()))
     }
 
     /// The exposure that was asked for; an automatic one as it is for this solution, in stops.
     pub fn exposure(&self, solution: &Solution) -> Result<Exposure, Failure> {
         let wanted = self.args.exposure.unwrap_or_default();
-        let renderer = Renderer::new(solution, &self.camera, &self.options)?;
+        let renderer = self.renderer(solution)?;
         let factor = renderer.exposure_factor(wanted);
         Ok(Exposure::Ev(factor.log2()))
     }
@@ -143,6 +158,35 @@ impl<'a> View<'a> {
     pub fn shading_name(&self) -> &'static str {
         self.options.shading.name()
     }
+}
+
+/// What is to mirror.
+fn reflections(args: &PictureArgs) -> Result<Reflections, Failure> {
+    let names = &args.environment;
+    if let [_, _, ..] = names.as_slice()
+        && names.iter().any(|name| name == "none")
+    {
+        return Err(Failure::Usage(String::from(
+            "--environment none with other names: nothing mirrors, or what is named",
+        )));
+    }
+    let metals = names.is_empty() || names.iter().any(|name| name == "metals");
+    let defaults = Reflections::default();
+    let below = args.mirror_roughness.unwrap_or(defaults.metals_below);
+    let is_name = |name: &&String| !["metals", "none"].contains(&name.as_str());
+    Ok(defaults
+        .with_metals_below(if metals { below } else { 0.0 })
+        .with_names(names.iter().filter(is_name).cloned().collect()))
+}
+
+/// The picture of the surroundings.
+fn surroundings(path: &Path) -> Result<EnvironmentMap, Failure> {
+    let refused = |why: String| Failure::Failed(format!("{}: {why}", path.display()));
+    let bytes = read(path)?;
+    let picture =
+        read_picture(&bytes, &ReadOptions::default()).map_err(|e| refused(e.to_string()))?;
+    EnvironmentMap::new(environment::Projection::LatLong, &[picture.rgb()])
+        .map_err(|e| refused(e.to_string()))
 }
 
 fn camera(solution: &Solution, args: &PictureArgs) -> Result<Camera, Failure> {

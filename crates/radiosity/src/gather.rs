@@ -84,12 +84,14 @@ impl<'a> Gatherer<'a> {
         let place = hash(hash(bits(point.x), bits(point.y)), bits(point.z));
         let seed = hash(place, self.options.seed);
         let origin = self.visibility.off_surface(point, normal);
-        self.direct(point, origin, normal, seed) + self.reflected(point, normal, seed)
+        self.direct(point, origin, normal, seed, self.options.rays)
+            + self.reflected(point, normal, seed)
     }
 
     /// Irradiance at a point of a surface with the normal `flat`, for several other normals there: what a relief on it
     /// receives. Their rays for reflected light are the same, uniform over the hemisphere of `flat`; below it lies the
-    /// surface itself, of radiosity `own`, which a normal tilted by `θ` sees with factor `(1 - cos θ) / 2`.
+    /// surface itself, of radiosity `own`, which a normal tilted by `θ` sees with factor `(1 - cos θ) / 2`. An eighth as
+    /// many rays go to emitters, for each normal.
     pub fn irradiance_of_normals(
         &self,
         point: Vec3,
@@ -112,13 +114,15 @@ impl<'a> Gatherer<'a> {
         }
         let total = |(sum, &normal): (BandSum, &Vec3)| {
             let below = own * (0.5 * (1.0 - normal.dot(flat)));
-            sum.mean(self.options.rays) + below + self.direct(point, origin, normal, seed)
+            let rays = self.options.rays.div_ceil(8);
+            let direct = self.direct(point, origin, normal, seed, rays);
+            sum.mean(self.options.rays) + below + direct
         };
         sums.into_iter().zip(normals).map(total).collect()
     }
 
-    /// From points, sun, and the emitting patches.
-    fn direct(&self, point: Vec3, origin: Vec3, normal: Vec3, seed: u64) -> Rgb {
+    /// From points, sun, and the emitting patches, to which so many rays go in all.
+    fn direct(&self, point: Vec3, origin: Vec3, normal: Vec3, seed: u64, rays: u32) -> Rgb {
         let scene = self.solution.mesh().scene();
         let dim = last_dim(self.solution);
         let lights: Rgb = scene
@@ -155,7 +159,7 @@ impl<'a> Gatherer<'a> {
         let mut ticks = point2(0, seed)[0];
         let (mut small, mut drawn, mut drawn_visible) = (Rgb::BLACK, Rgb::BLACK, Rgb::BLACK);
         for (i, unoccluded) in arriving {
-            let wanted = self.options.rays as f32 * unoccluded.max_band() / total;
+            let wanted = rays as f32 * unoccluded.max_band() / total;
             if wanted >= 1.0 {
                 sum += unoccluded * visible(i, ceil_count(wanted));
                 continue;

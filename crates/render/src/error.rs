@@ -41,6 +41,12 @@ pub enum RenderError {
     /// Gathering without rays.
     #[error("gather rays 0: a gathered picture needs at least 1, better 64")]
     GatherRays,
+    /// Maps of mirrors too small or too large.
+    #[error("maps of mirrors of {0} x {0} pixels: a side must be from 8 to 1024")]
+    Resolution(usize),
+    /// A name of what is to mirror that nothing has.
+    #[error("no material or node is called '{0}'; `hemicube info` lists the names")]
+    Mirror(String),
     /// A background that is no light.
     #[error("background {0:?} is negative or not finite")]
     Background([f32; 3]),

@@ -1,27 +1,21 @@
 //! Solution in, picture out.
 
+use crate::behind::Behind;
+use crate::capture::capture;
+use crate::draw::draw;
 use crate::error::RenderError;
-use crate::grid::Grid;
 use crate::lens::Lens;
 use crate::options::{RenderOptions, Shading};
 use crate::projection::check_camera;
-use crate::shade::{BlockCache, Light, Shader};
-use crate::sight::{SightFinder, Sights};
+use crate::reflections::{Mirrors, Reflections};
+use crate::shade::{Light, Shader};
 use crate::stage::Stage;
-use core::sync::atomic::{AtomicUsize, Ordering};
 use hemicube_radiosity::{GatherOptions, Gatherer, Solution};
 use hemicube_raster::antialias::Antialiasing;
+use hemicube_raster::environment::{EnvironmentMap, EnvironmentPyramid};
 use hemicube_raster::tonemap::{Exposure, ToneMap};
 use hemicube_raster::{Image, Rgb};
 use hemicube_scene::Camera;
-use rayon::prelude::*;
-
-/// Samples of a band, about: what a thread holds in memory at a time.
-const BAND_SAMPLES: usize = 1 << 17;
-
-/// Most rows of pixels in a band, so that there are enough bands for all threads; gathered ones take long.
-const BAND_ROWS: usize = 16;
-const GATHERED_BAND_ROWS: usize = 2;
 
 /// Longest side of the small picture from which the automatic exposure is taken.
 const METERED_SIDE: usize = 512;
@@ -71,6 +65,8 @@ pub struct Renderer<'a> {
     stage: Stage<'a>,
     camera: &'a Camera,
     options: RenderOptions,
+    surroundings: Option<EnvironmentPyramid>,
+    mirrors: Option<Mirrors>,
     progress: Option<Progress<'a>>,
 }
 
@@ -99,8 +95,43 @@ impl<'a> Renderer<'a> {
             stage: Stage::new(solution, options),
             camera,
             options: *options,
+            surroundings: None,
+            mirrors: None,
             progress: None,
         })
+    }
+
+    /// Shows a picture of the surroundings behind everything, in place of a uniform sky or background. It lights nothing.
+    /// Mirrors that are to show it must be asked for afterwards.
+    pub fn with_surroundings(self, map: EnvironmentMap) -> Self {
+        let surroundings = Some(EnvironmentPyramid::new(map));
+        Self {
+            surroundings,
+            ..self
+        }
+    }
+
+    /// Lets smooth metals and what is named mirror what is around them: takes the maps that this needs.
+    ///
+    /// # Errors
+    /// A name that nothing has, maps of an impossible size; one line.
+    pub fn with_reflections(self, reflections: &Reflections) -> Result<Self, RenderError> {
+        reflections.check(self.stage.scene())?;
+        let mirrors = capture(&self.stage, self.behind(), reflections);
+        let mirrors = Some(mirrors).filter(|mirrors| !mirrors.mirrors.is_empty());
+        Ok(Self { mirrors, ..self })
+    }
+
+    /// Number of maps that were taken for mirroring objects.
+    pub fn mirror_count(&self) -> usize {
+        self.mirrors.as_ref().map_or(0, |m| m.mirrors.len())
+    }
+
+    fn behind(&self) -> Behind<'_> {
+        match &self.surroundings {
+            Some(map) => Behind::Map(map),
+            None => Behind::Uniform(self.stage.behind),
+        }
     }
 
     /// Reports the finished share of each picture; gathered ones take long.
@@ -132,8 +163,11 @@ impl<'a> Renderer<'a> {
             .options
             .with_size(width, height)
             .with_antialias(Antialiasing::NONE);
-        let shader = self.shader(&small, Light::Gouraud).with_behind(Rgb::BLACK);
-        let image = draw(&shader, self.camera, &small, |radiance| radiance, |_| {});
+        let shader = self
+            .shader(&small, Light::Gouraud)
+            .with_behind(Behind::Uniform(Rgb::BLACK));
+        let same = |radiance| radiance;
+        let image = draw(&shader, self.camera, &small, None, same, |_| {});
         exposure.factor(image.pixels().iter().map(|c| c.luminance()))
     }
 
@@ -145,13 +179,15 @@ impl<'a> Renderer<'a> {
             }
         };
         let shader = self.shader(&self.options, self.light());
-        draw(&shader, self.camera, &self.options, resolve, report)
+        draw(&shader, self.camera, &self.options, None, resolve, report)
     }
 
     fn shader<'b>(&'b self, options: &RenderOptions, light: Light<'b>) -> Shader<'b> {
         let lens = Lens::new(self.camera, options.width, options.height);
         let spacing = 1.0 / options.antialias.factor.get() as f64;
         Shader::new(&self.stage, light, lens, spacing)
+            .with_behind(self.behind())
+            .with_mirrors(self.mirrors.as_ref())
     }
 
     fn light(&self) -> Light<'_> {
@@ -186,72 +222,4 @@ fn metered_size(width: usize, height: usize) -> (usize, usize) {
     let longer = width.max(height).max(METERED_SIDE);
     let scaled = |side: usize| (side * METERED_SIDE / longer).max(1);
     (scaled(width), scaled(height))
-}
-
-/// Draws band by band, in parallel. The bands follow from the size alone, so the number of threads changes nothing.
-fn draw(
-    shader: &Shader<'_>,
-    camera: &Camera,
-    options: &RenderOptions,
-    resolve: impl Fn(Rgb) -> Rgb + Sync,
-    report: impl Fn(f64) + Sync,
-) -> Image<Rgb> {
-    let most_rows = if shader.gathers() {
-        GATHERED_BAND_ROWS
-    } else {
-        BAND_ROWS
-    };
-    let grid = Grid::new(options, most_rows, BAND_SAMPLES);
-    let sight = SightFinder::new(shader.stage, camera, &grid, None);
-    let order = from_the_centre(grid.factor());
-    let mut pixels = vec![Rgb::BLACK; options.width * options.height];
-    let done = AtomicUsize::new(0);
-    let bands = pixels.par_chunks_mut(grid.band_pixels()).enumerate();
-    bands.for_each(|(band, pixels)| {
-        let sights = sight.band(band);
-        let samples = shade_band(shader, &grid, band, &sights, &order, &resolve);
-        grid.sampler
-            .resolve(grid.pixel_rows(band), &samples, pixels);
-        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-        report(count as f64 / grid.bands() as f64);
-    });
-    Image::from_pixels(options.width, options.height, pixels).expect("one colour for each pixel")
-}
-
-/// Shades the samples of a band block by block, and hands them on row by row without those that only fill up blocks.
-fn shade_band(
-    shader: &Shader<'_>,
-    grid: &Grid,
-    band: usize,
-    sights: &Sights,
-    order: &[(usize, usize)],
-    resolve: &(impl Fn(Rgb) -> Rgb + Sync),
-) -> Vec<Rgb> {
-    let (rows, columns, k) = (grid.rows(band), grid.columns(), grid.factor());
-    let mut shaded = vec![Rgb::BLACK; rows.len() * columns];
-    shaded
-        .par_chunks_mut(columns * k)
-        .enumerate()
-        .for_each(|(block_row, out)| {
-            for block in (0..columns).step_by(k) {
-                let mut cache = BlockCache::default();
-                for &(column, row) in order {
-                    let (column, local) = (block + column, block_row * k + row);
-                    let at = grid.position(column, rows.start + local);
-                    let sample = local * columns + column;
-                    out[row * columns + column] =
-                        resolve(shader.radiance(sights, sample, at, &mut cache));
-                }
-            }
-        });
-    grid.without_filling(band, shaded)
-}
-
-/// Columns and rows of a block's samples, the central ones first: points that are gathered for others stand for the
-/// block's middle.
-fn from_the_centre(n: usize) -> Vec<(usize, usize)> {
-    let mut order: Vec<(usize, usize)> = (0..n * n).map(|i| (i % n, i / n)).collect();
-    let off = |k: usize| (2 * k + 1).abs_diff(n).pow(2);
-    order.sort_by_key(|&(column, row)| off(column) + off(row));
-    order
 }

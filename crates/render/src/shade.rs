@@ -1,17 +1,25 @@
 //! Radiance of what a sample sees.
 
+use crate::behind::Behind;
 use crate::filtering::filtered_texel;
 use crate::footprint::Footprint;
-use crate::lens::Lens;
-use crate::relief::bumped;
+use crate::lens::{CameraRay, Lens};
+use crate::reflections::{Mirror, Mirrors};
+use crate::relief::{Bumped, bumped};
 use crate::sight::{Sights, SurfaceHit};
+use crate::split_sum::mirrored_share;
 use crate::stage::Stage;
 use crate::surface::{corners, finest_texel, interpolated, mixed, place};
 use core::f32::consts::PI;
 use glam::{DVec2, Vec3};
 use hemicube_radiosity::Gatherer;
 use hemicube_raster::Rgb;
-use hemicube_scene::SurfaceSample;
+use hemicube_raster::bump::facing;
+use hemicube_raster::environment::reflected;
+use hemicube_scene::{SurfaceSample, TextureSlot};
+
+/// Share of light that surfaces which are no metals mirror straight on, as glTF has it.
+const DIELECTRIC: f32 = 0.04;
 
 /// Points of a block share a gathered irradiance if the cosine between their normals is above this.
 const SAME_NORMAL: f32 = 0.98;
@@ -25,7 +33,9 @@ pub(crate) struct Shader<'a> {
     pub stage: &'a Stage<'a>,
     light: Light<'a>,
     /// Radiance where nothing is drawn.
-    behind: Rgb,
+    behind: Behind<'a>,
+    /// What objects mirror.
+    mirrors: Option<&'a Mirrors>,
     /// Where the picture's places look,
     lens: Lens,
     /// and the distance of its samples in pixels: so much each of them sees.
@@ -67,7 +77,8 @@ impl<'a> Shader<'a> {
         Self {
             stage,
             light,
-            behind: stage.behind,
+            behind: Behind::Uniform(stage.behind),
+            mirrors: None,
             lens,
             spacing,
         }
@@ -78,9 +89,14 @@ impl<'a> Shader<'a> {
         matches!(self.light, Light::Gather { .. })
     }
 
-    /// With another radiance where nothing is drawn.
-    pub fn with_behind(self, behind: Rgb) -> Self {
+    /// With something else where nothing is drawn.
+    pub fn with_behind(self, behind: Behind<'a>) -> Self {
         Self { behind, ..self }
+    }
+
+    /// With objects that mirror.
+    pub fn with_mirrors(self, mirrors: Option<&'a Mirrors>) -> Self {
+        Self { mirrors, ..self }
     }
 
     /// Radiance that arrives at a sample, which lies at a place in pixels: `L = L_surface + transmittance × L_behind`
@@ -96,7 +112,7 @@ impl<'a> Shader<'a> {
         let mut radiance = if hit.exists() {
             self.surface_radiance(hit, at, cache).0
         } else if hit.is_inside() {
-            self.behind
+            self.behind.radiance(self.lens.ray(at), self.spacing)
         } else {
             Rgb::BLACK
         };
@@ -107,25 +123,96 @@ impl<'a> Shader<'a> {
         radiance
     }
 
-    /// Radiance `L = emission + reflectance × H / π` that a surface itself sends to the eye, and its transmittance.
+    /// Radiance `L = emission + reflectance × H / π` that a surface itself sends to the eye, and its transmittance; of
+    /// mirroring ones, with metallic share `m` and mirrored shares `S` of the metal and `s` of what is none (glTF 2.0,
+    /// appendix B), `L = emission + (m S + (1 - m) s) L_mirrored + (1 - m) (1 - s) reflectance × H / π`.
     fn surface_radiance(&self, hit: &SurfaceHit, at: DVec2, cache: &mut BlockCache) -> (Rgb, Rgb) {
         let stage = self.stage;
         let footprint = self.footprint(hit, at);
         let surface = self.surface_at(hit, footprint.as_ref());
         let element = stage.triangle(hit).element as usize;
         let emission = surface.emission * stage.dims[element];
-        if surface.reflectance.is_black() {
+        let mirror = self
+            .mirrors
+            .and_then(|mirrors| mirrors.of_part(stage.triangle(hit).part));
+        if surface.reflectance.is_black() && mirror.is_none() {
             return (emission, surface.transmittance);
         }
+        let bump = self.bump(hit, footprint.as_ref());
+        let Some((mirror, ray)) = mirror.zip(self.lens.ray(at)) else {
+            let irradiance = self.irradiance(hit, bump, cache);
+            let reflected = surface.reflectance * irradiance * (1.0 / PI);
+            return (emission + reflected, surface.transmittance);
+        };
+        let gloss = self.gloss(hit, footprint.as_ref());
+        let (mirrored, coat) = self.mirrored(hit, bump, &ray, mirror, gloss);
+        let rest = Rgb::WHITE - coat;
+        let matt = surface.reflectance * (1.0 - gloss.metallic) * rest;
+        let mut radiance = emission + mirrored;
+        if !matt.is_black() {
+            radiance += matt * self.irradiance(hit, bump, cache) * (1.0 / PI);
+        }
+        (radiance, surface.transmittance * rest)
+    }
+
+    /// What a relief does to the normal, where the material has one.
+    fn bump(&self, hit: &SurfaceHit, footprint: Option<&Footprint>) -> Option<Bump> {
+        let stage = self.stage;
+        let relief = stage.scene().materials[stage.material_of(hit)].relief?;
+        let (_, flat) = place(stage, hit);
+        let Bumped { normal, variance } = bumped(stage, hit, footprint?, relief, flat);
+        Some(Bump {
+            flat,
+            bumped: normal,
+            variance,
+        })
+    }
+
+    /// Colour, metallic share and roughness of a mirroring surface.
+    fn gloss(&self, hit: &SurfaceHit, footprint: Option<&Footprint>) -> Gloss {
+        let stage = self.stage;
         let material = &stage.scene().materials[stage.material_of(hit)];
-        let relief = material.relief.zip(footprint);
-        let bump = relief.map(|(relief, footprint)| {
-            let (_, flat) = place(stage, hit);
-            let bumped = bumped(stage, hit, &footprint, relief, flat).normal;
-            Bump { flat, bumped }
-        });
-        let reflected = surface.reflectance * self.irradiance(hit, bump, cache) * (1.0 / PI);
-        (emission + reflected, surface.transmittance)
+        let texel = |slot: Option<TextureSlot>, srgb| match (slot, footprint) {
+            (Some(slot), Some(footprint)) => filtered_texel(stage, hit, footprint, slot, srgb),
+            _ => [1.0; 4],
+        };
+        let [r, g, b, _] = texel(material.base_color_texture, true);
+        let tint = interpolated(stage, hit, &stage.drawn.colors);
+        let color = material.base_color * Rgb::new(r * tint.x, g * tint.y, b * tint.z);
+        Gloss {
+            color: color.map(|band| band.clamp(0.0, 1.0)),
+            metallic: (material.metallic * texel(material.metallic_texture, false)[2])
+                .clamp(0.0, 1.0),
+            roughness: (material.roughness * texel(material.roughness_texture, false)[1])
+                .clamp(0.0, 1.0),
+        }
+    }
+
+    /// Light that a surface mirrors to the eye, and which share what is no metal mirrors. Slopes too small to be seen one by one make
+    /// it rougher: `α² + 2 variance`, as for microfacets of that variance.
+    fn mirrored(
+        &self,
+        hit: &SurfaceHit,
+        bump: Option<Bump>,
+        ray: &CameraRay,
+        mirror: &Mirror,
+        gloss: Gloss,
+    ) -> (Rgb, Rgb) {
+        let (position, flat) = place(self.stage, hit);
+        let (normal, variance) = bump.map_or((flat, 0.0), |b| (b.bumped, b.variance));
+        let to_eye = -ray.direction.normalize().as_vec3();
+        let normal = facing(normal, to_eye);
+        let roughness = (gloss.roughness.powi(4) + 2.0 * variance)
+            .powf(0.25)
+            .min(1.0);
+        let cosine = normal.dot(to_eye).max(0.0);
+        let coat = mirrored_share(Rgb::splat(DIELECTRIC), cosine, roughness);
+        let share = coat.lerp(
+            mirrored_share(gloss.color, cosine, roughness),
+            gloss.metallic,
+        );
+        let light = mirror.radiance(position, reflected(normal, to_eye), roughness);
+        (share * light, coat)
     }
 
     /// What a sample sees of textures, where the material has some.
@@ -187,7 +274,7 @@ impl<'a> Shader<'a> {
     /// Irradiances of a triangle's corners, tilted and interpolated.
     fn tilted(&self, hit: &SurfaceHit, solved: [Rgb; 3], bump: Option<Bump>) -> Rgb {
         let stage = self.stage;
-        let (Some(Bump { flat, bumped }), Some(light)) = (bump, &stage.tilted) else {
+        let (Some(Bump { flat, bumped, .. }), Some(light)) = (bump, &stage.tilted) else {
             return mixed(solved, hit.weights);
         };
         let tilt = bumped - flat * flat.dot(bumped);
@@ -202,6 +289,16 @@ impl<'a> Shader<'a> {
 struct Bump {
     flat: Vec3,
     bumped: Vec3,
+    /// Of slopes smaller than the sample.
+    variance: f32,
+}
+
+/// What a surface's mirroring depends on.
+#[derive(Debug, Clone, Copy)]
+struct Gloss {
+    color: Rgb,
+    metallic: f32,
+    roughness: f32,
 }
 
 impl Gathered {

@@ -5,6 +5,7 @@ use crate::sight::SurfaceHit;
 use crate::tangents::Tangents;
 use crate::tilt::TiltedLight;
 use core::ops::Range;
+use glam::Vec3;
 use hemicube_radiosity::solve::ambient::ambient_irradiance;
 use hemicube_radiosity::{DrawnMesh, Solution, SolverKind};
 use hemicube_raster::Rgb;
@@ -113,6 +114,13 @@ impl<'a> Stage<'a> {
         let element = index32(element);
         let same = |t: &&StageTriangle| t.element == element;
         first..first + self.triangles[first..].iter().take_while(same).count()
+    }
+
+    /// The box around everything that is drawn.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let nothing = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let positions = self.drawn.positions.iter();
+        positions.fold(nothing, |(low, high), &p| (low.min(p), high.max(p)))
     }
 
     /// Radiosity of the surface itself at a vertex.

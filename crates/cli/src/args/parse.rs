@@ -96,3 +96,12 @@ pub fn bound(text: &str) -> Result<f32, String> {
         .filter(inside)
         .ok_or_else(|| format!("'{text}' is not a number above 0 and at most 1"))
 }
+
+/// A number from 0 to 1
+pub fn share(text: &str) -> Result<f32, String> {
+    let inside = |x: &f32| *x >= 0.0 && *x <= 1.0;
+    text.parse()
+        .ok()
+        .filter(inside)
+        .ok_or_else(|| format!("'{text}' is not a number from 0 to 1"))
+}

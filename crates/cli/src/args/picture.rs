@@ -6,6 +6,7 @@ use glam::Vec3;
 use hemicube::raster::antialias::Antialiasing;
 use hemicube::raster::tonemap::{Exposure, ToneMap};
 use hemicube::render::{Shading, TextureFilter};
+use std::path::PathBuf;
 
 /// How a picture is projected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,6 +85,16 @@ pub struct PictureArgs {
     /// How textures are read from afar, from quick to good [default: trilinear]
     #[arg(long, value_parser = parse::choice(&TextureFilter::ALL, TextureFilter::name))]
     pub texture_filter: Option<TextureFilter>,
+    /// Materials or nodes that mirror what is around them (names may be globs), `metals` (those of a roughness below
+    /// --mirror-roughness) or `none`; repeatable [default: metals]
+    #[arg(long, value_name = "NAME|metals|none")]
+    pub environment: Vec<String>,
+    /// Metals mirror if their roughness is below this, others are drawn matt, as the solution has them [default: 0.3]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = parse::share)]
+    pub mirror_roughness: Option<f32>,
+    /// Picture of the surroundings (.hdr, .exr, .png or .jpg, 2:1) behind everything and in mirrors; it lights nothing
+    #[arg(long, value_name = "FILE")]
+    pub environment_file: Option<PathBuf>,
     /// Rays over the hemisphere of each pixel of --shading gather [default: 256]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub gather_rays: Option<u32>,
@@ -101,6 +112,9 @@ impl PictureArgs {
             (self.shading.is_some(), "--shading"),
             (self.antialias.is_some(), "--antialias"),
             (self.texture_filter.is_some(), "--texture-filter"),
+            (!self.environment.is_empty(), "--environment"),
+            (self.mirror_roughness.is_some(), "--mirror-roughness"),
+            (self.environment_file.is_some(), "--environment-file"),
             (self.gather_rays.is_some(), "--gather-rays"),
         ];
         all.into_iter()
