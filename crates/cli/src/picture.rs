@@ -35,6 +35,15 @@ pub fn check(scene: &Scene, args: &PictureArgs) -> Result<(), Failure> {
     if let Some(name) = &args.camera {
         scene.camera(name)?;
     }
+    reflections(args)?.check(scene)?;
+    if let Some(path) = &args.environment_file
+        && !path.is_file()
+    {
+        return Err(Failure::Failed(format!(
+            "{}: there is no such file; name a picture of the surroundings",
+            path.display()
+        )));
+    }
     let (width, height) = args.size.unwrap_or(PLAIN);
     if width as usize * height as usize > RenderOptions::MAX_PIXELS {
         let most = RenderOptions::MAX_PIXELS;
@@ -88,13 +97,14 @@ impl<'a> View<'a> {
         })
     }
 
-    /// Draws and writes the picture: radiance for .exr, what a display shows for .png.
+    /// Draws and writes the picture: radiance for .exr, what a display shows for .png. Gives the number of maps that were
+    /// taken for mirroring objects.
     pub fn draw(
         &self,
         solution: &Solution,
         target: &Target,
         global: GlobalArgs,
-    ) -> Result<(), Failure> {
+    ) -> Result<usize, Failure> {
         let bar = Bar::new("drawing", global.quiet);
         let progress = |share| bar.show(share, String::new);
         let renderer = self.renderer(solution)?.with_progress(&progress);
@@ -107,7 +117,8 @@ impl<'a> View<'a> {
                 .display(exposure, self.args.tonemap.unwrap_or_default())
                 .write_png(&mut file)?;
         }
-        target.write(&file.into_inner())
+        target.write(&file.into_inner())?;
+        Ok(renderer.mirror_count())
     }
 
     /// Everything that the options ask of a renderer.

@@ -72,11 +72,11 @@ impl Reflections {
         }
     }
 
-    /// The door.
+    /// Whether they can be had in a scene; [`Renderer::with_reflections`](crate::Renderer::with_reflections) asks this too.
     ///
     /// # Errors
     /// A name that matches nothing in the scene, a resolution out of range.
-    pub(crate) fn check(&self, scene: &Scene) -> Result<(), RenderError> {
+    pub fn check(&self, scene: &Scene) -> Result<(), RenderError> {
         if !(8..=1024).contains(&self.resolution) {
             return Err(RenderError::Resolution(self.resolution));
         }

@@ -6,7 +6,8 @@
 //!
 //! # Current state
 //! glTF 2.0, OBJ, STL and View3D's `.vs3` come in; see [`gltf`], [`obj`], [`stl`] and [`vs3`] for what of them is read. Skins, morph targets and animations
-//! are not: a mesh is taken in its rest pose, which the import report says.
+//! are not: a mesh is taken in its rest pose, which the import report says. Roughness, reliefs (normal and height maps) and
+//! tangents are read for pictures; clear coat, occlusion and other layers are not.
 #![forbid(unsafe_code)]
 
 pub mod builtin;
