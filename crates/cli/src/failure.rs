@@ -1,7 +1,7 @@
 //! Why the program ends without having done what was asked.
 
 use hemicube::radiosity::RadiosityError;
-use hemicube::raster::image::ImageError;
+use hemicube::raster::image::{ImageError, ReadError};
 use hemicube::render::RenderError;
 use hemicube::scene::SceneError;
 
@@ -49,6 +49,12 @@ impl From<RadiosityError> for Failure {
 
 impl From<RenderError> for Failure {
     fn from(error: RenderError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+impl From<ReadError> for Failure {
+    fn from(error: ReadError) -> Self {
         Self::Failed(error.to_string())
     }
 }

@@ -52,6 +52,7 @@ fn run(cli: &Cli, start: Instant) -> Result<(), Failure> {
         Verb::Render(args) => verb::render::run(args, cli.global, start),
         Verb::FormFactors(args) => verb::form_factors::run(args, cli.global, start),
         Verb::Compare(args) => verb::compare::run(args, cli.global),
+        Verb::Environment(args) => verb::environment::run(args, cli.global, start),
         Verb::Gallery(args) => verb::gallery::run(args, cli.global),
         Verb::Scenes => verb::scenes::run(cli.global),
         Verb::Info(args) => verb::info::run(args, cli.global),

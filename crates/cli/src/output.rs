@@ -5,16 +5,17 @@ use std::fs;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use tempfile::NamedTempFile;
 
-/// The temporary file that is being written, so that Ctrl-C can remove it.
-static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
+/// The temporary files that are being written, so that Ctrl-C can remove them.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Removes what a write that is under way has made so far.
 pub fn remove_unfinished() {
-    if let Some(path) = UNFINISHED
+    for path in UNFINISHED
         .lock()
         .unwrap_or_else(PoisonError::into_inner)
-        .take()
+        .drain(..)
     {
         // Nothing can be done about a file that stays; the program is about to end.
         let _ = fs::remove_file(path);
@@ -144,10 +145,21 @@ impl Target {
         &self,
         fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
     ) -> io::Result<()> {
+        match self.stage(fill)? {
+            Some(staged) => self.commit(staged),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes a temporary file beside the one to be; a device or a pipe, which cannot be renamed onto, is written at once.
+    fn stage(
+        &self,
+        fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
+    ) -> io::Result<Option<NamedTempFile>> {
         let facts = fs::metadata(&self.real);
         if facts.as_ref().is_ok_and(|facts| !facts.is_file()) {
-            // A device or a pipe cannot be renamed onto.
-            return filled(&fs::File::create(&self.real)?, fill);
+            filled(&fs::File::create(&self.real)?, fill)?;
+            return Ok(None);
         }
         let mut builder = tempfile::Builder::new();
         builder.prefix(".hemicube-");
@@ -158,17 +170,44 @@ impl Target {
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
         let file = builder.tempfile_in(self.folder())?;
-        let unfinished = |path| *UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner) = path;
-        unfinished(Some(file.path().to_path_buf()));
+        unfinished(|paths| paths.push(file.path().to_path_buf()));
         filled(file.as_file(), fill)?;
         if let Ok(facts) = facts {
             file.as_file().set_permissions(facts.permissions())?;
         }
         file.as_file().sync_all()?;
-        file.persist(&self.real).map_err(|e| e.error)?;
-        unfinished(None);
+        Ok(Some(file))
+    }
+
+    /// Gives a temporary file its name.
+    fn commit(&self, staged: NamedTempFile) -> io::Result<()> {
+        let temporary = staged.path().to_path_buf();
+        staged.persist(&self.real).map_err(|e| e.error)?;
+        unfinished(|paths| paths.retain(|path| *path != temporary));
         Ok(())
     }
+}
+
+/// Changes the list of temporary files.
+fn unfinished(change: impl FnOnce(&mut Vec<PathBuf>)) {
+    change(&mut UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner));
+}
+
+/// Writes several files that belong together: none gets its name before all are on the disk.
+pub fn write_together(files: &[(Target, Vec<u8>)]) -> Result<(), Failure> {
+    let failed =
+        |target: &Target, e: &io::Error| Failure::Failed(format!("{}: {e}", target.path.display()));
+    let mut staged = Vec::new();
+    for (target, bytes) in files {
+        let file = target.stage(|out| out.write_all(bytes));
+        staged.push((target, file.map_err(|e| failed(target, &e))?));
+    }
+    for (target, file) in staged {
+        if let Some(file) = file {
+            target.commit(file).map_err(|e| failed(target, &e))?;
+        }
+    }
+    Ok(())
 }
 
 /// Fills a file through a buffer.

@@ -13,6 +13,7 @@ fn every_verb_has_help_with_an_example() {
         "render",
         "form-factors",
         "compare",
+        "environment",
         "scenes",
         "info",
         "completions",

@@ -1,11 +1,15 @@
 //! The command line.
 
+mod environment;
 mod form_factors;
 mod parse;
 mod picture;
 mod scene;
 mod solve;
 
+pub use environment::{
+    CaptureTask, ConvertTask, EnvironmentTask, EnvironmentVerb, InfoTask, TonesArgs,
+};
 pub use form_factors::FormFactorsVerb;
 pub use picture::{PictureArgs, ProjectionKind};
 pub use scene::SceneArgs;
@@ -70,6 +74,8 @@ pub enum Verb {
     FormFactors(FormFactorsVerb),
     /// Compare solvers after the same number of steps: pictures and error curves
     Compare(CompareVerb),
+    /// Convert, capture or describe environment maps: light from all directions around a point
+    Environment(EnvironmentVerb),
     /// List the exhibits that show each technique at work, or draw them
     Gallery(GalleryVerb),
     /// List the built-in scenes

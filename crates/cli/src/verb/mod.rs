@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod completions;
+pub mod environment;
 pub mod form_factors;
 pub mod gallery;
 pub mod info;
