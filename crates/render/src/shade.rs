@@ -148,11 +148,12 @@ impl<'a> Shader<'a> {
         let (mirrored, coat) = self.mirrored(hit, bump, &ray, mirror, gloss);
         let rest = Rgb::WHITE - coat;
         let matt = surface.reflectance * (1.0 - gloss.metallic) * rest;
-        let mut radiance = emission + mirrored;
+        let mut radiance = emission + mirrored * surface.coverage;
         if !matt.is_black() {
             radiance += matt * self.irradiance(hit, bump, cache) * (1.0 / PI);
         }
-        (radiance, surface.transmittance * rest)
+        let beside = Rgb::splat(1.0 - surface.coverage);
+        (radiance, beside + (surface.transmittance - beside) * rest)
     }
 
     /// What a relief does to the normal, where the material has one.

@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 /// Rows (roughness) and columns (root of the cosine, so that they stand closer at grazing angles) of the table, from 0 to 1.
 const SIDE: usize = 32;
 
-/// Samples of each entry: with interpolation the error stays below 0.006, see the tests.
+/// Samples of each entry: with interpolation the error stays below 0.004, see the tests.
 const SAMPLES: u32 = 512;
 
 type Table = [[Vec2; SIDE]; SIDE];
@@ -55,34 +55,38 @@ fn tabulated() -> Box<Table> {
     }))
 }
 
-/// `A` and `B` by importance sampling of GGX with the height-correlated masking of Smith (Heitz 2014).
+/// `A` and `B` by sampling GGX's visible normals through a spherical cap (Dupuy and Benyoub 2023), whose weights
+/// `G2 / G1` stay below 1, with the height-correlated masking of Smith (Heitz 2014).
 fn integral(cosine: f32, roughness: f32, samples: u32) -> Vec2 {
-    let square = roughness.powi(4);
+    let alpha = roughness * roughness;
     let view = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
+    let square = alpha * alpha;
     let lambda = |c: f32| (square + (1.0 - square) * c * c).sqrt();
     let mut sum = Vec2::ZERO;
     for i in 0..samples {
         let turn = f64::from(i.reverse_bits()) / f64::from(u32::MAX);
-        let half = half_vector(square, narrow(turn), (i as f32 + 0.5) / samples as f32);
+        let u = Vec2::new(narrow(turn), (i as f32 + 0.5) / samples as f32);
+        let half = visible_normal(view, alpha, u);
         let along = view.dot(half);
-        let light = half * (2.0 * along) - view;
-        if light.z <= 0.0 || along <= 0.0 {
-            continue;
+        let light = (half * (2.0 * along) - view).z;
+        if light > 0.0 {
+            let seen = light * (cosine + lambda(cosine))
+                / (light * lambda(cosine) + cosine * lambda(light));
+            let fresnel = (1.0 - along).max(0.0).powi(5);
+            sum += Vec2::new(1.0 - fresnel, fresnel) * seen;
         }
-        // G / (4 l v) over the density D h / (4 v·h), times the cosine l.
-        let visible = 2.0 * along * light.z
-            / (half.z * (light.z * lambda(cosine) + cosine * lambda(light.z)));
-        let fresnel = (1.0 - along).powi(5);
-        sum += Vec2::new(1.0 - fresnel, fresnel) * visible;
     }
     sum / samples as f32
 }
 
-fn half_vector(square: f32, turn: f32, u: f32) -> Vec3 {
-    let cos = ((1.0 - u) / (1.0 + (square - 1.0) * u)).max(0.0).sqrt();
-    let sin = (1.0 - cos * cos).max(0.0).sqrt();
-    let (y, x) = (TAU * turn).sin_cos();
-    Vec3::new(sin * x, sin * y, cos)
+fn visible_normal(view: Vec3, alpha: f32, u: Vec2) -> Vec3 {
+    let stretch = Vec3::new(alpha, alpha, 1.0);
+    let on_sphere = (view * stretch).normalize();
+    let z = (1.0 - u.y) * (1.0 + on_sphere.z) - on_sphere.z;
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (TAU * u.x).sin_cos();
+    let half = Vec3::new(radius * cos, radius * sin, z) + on_sphere;
+    (half * stretch).normalize_or(Vec3::Z)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a share of a turn")]
@@ -123,10 +127,8 @@ mod tests {
                 split_sum(cosine, roughness),
                 integral(cosine, roughness, 1 << 16),
             );
-            assert!(
-                (coarse - fine).abs().max_element() < 6e-3,
-                "{coarse} {fine}"
-            );
+            let error = (coarse - fine).abs().max_element();
+            assert!(error < 4e-3, "{cosine} {roughness}: {coarse} {fine}");
         }
     }
 }

@@ -13,6 +13,8 @@ pub struct SurfaceSample {
     pub emission: Rgb,
     /// Share of light that passes straight through.
     pub transmittance: Rgb,
+    /// Share of the point that is covered at all (1 unless alpha blends); the rest of the light passes untouched.
+    pub coverage: f32,
     /// Whether a band of the reflectance was lowered to [`Scene::max_reflectance`].
     pub clamped: bool,
 }
@@ -23,6 +25,7 @@ impl SurfaceSample {
         reflectance: Rgb::BLACK,
         emission: Rgb::BLACK,
         transmittance: Rgb::WHITE,
+        coverage: 0.0,
         clamped: false,
     };
 }
@@ -110,6 +113,7 @@ impl Scene {
             reflectance: lowered * (coverage * diffuse),
             emission: emission * coverage,
             transmittance: passing,
+            coverage,
             clamped: diffuse > 0.0 && lowered != tint,
         }
     }
