@@ -162,16 +162,16 @@ fn tilted_light_is_near_to_gathered_light() {
     let scene = with_relief(bumps, NORMALS, &[lamp(), (white, ceiling)]);
     // Root of the mean squared error of interpolated light, and of the light's own variation, over its mean.
     let errors = |scene: Scene| {
-        let solution = solved_with(scene, 3000);
-        let options = plain(48).with_gather_rays(512);
+        let solution = solved_with(scene, 2000);
+        let options = plain(32).with_gather_rays(256);
         let tilted = picture(&solution, &from_above(), &options);
         let options = options.with_shading(Shading::Gather);
         let gathered = picture(&solution, &from_above(), &options);
         let pairs = || tilted.pixels().iter().zip(gathered.pixels());
-        let mean = gathered.pixels().iter().map(|p| p.g).sum::<f32>() / 2304.0;
+        let mean = gathered.pixels().iter().map(|p| p.g).sum::<f32>() / 1024.0;
         let square: f32 = pairs().map(|(a, b)| (a.g - b.g).powi(2)).sum();
         let spread: f32 = pairs().map(|(_, b)| (b.g - mean).powi(2)).sum();
-        [square, spread].map(|sum| (sum / 2304.0).sqrt() / mean)
+        [square, spread].map(|sum| (sum / 1024.0).sqrt() / mean)
     };
     let mut flat = scene.clone();
     flat.materials[0].relief = None;
