@@ -1,6 +1,7 @@
 //! Pictures of drawings: pixels in sRGB, with letters as pixels of their own.
 
 use super::drawing::{Anchor, DASH, Drawing, Shape};
+use core::ops::Range;
 use hemicube_raster::color::{linear_from_srgb8_table, srgb8_from_linear};
 use hemicube_raster::image::ImageError;
 use hemicube_raster::{Image, Rgb};
@@ -80,44 +81,21 @@ impl Canvas {
 
     /// A line through points. Coverage is that of the nearest segment, so corners are not drawn twice.
     fn path(&mut self, points: &[[f64; 2]], color: [u8; 3], width: f64, dash: Option<f64>) {
-        let mut coverage = vec![0.0_f32; self.pixels.len()];
+        let range = |axis: usize, size: usize| {
+            let along = points.iter().map(|p| p[axis]);
+            covered(along, width, size)
+        };
+        // Only its surroundings are looked at: a drawing may have thousands of short lines.
+        let mut coverage = Coverage::new(range(0, self.width), range(1, self.height));
         let mut gone = 0.0;
         for pair in points.windows(2) {
-            self.cover(&mut coverage, pair[0], pair[1], width, dash, gone);
+            coverage.add(pair[0], pair[1], width, dash, gone);
             gone += length(pair[0], pair[1]);
         }
-        for (pixel, share) in self.pixels.iter_mut().zip(coverage) {
-            blend(pixel, color, share);
-        }
-    }
-
-    /// Coverage of one segment; `gone` is the length of the path before it.
-    fn cover(
-        &self,
-        coverage: &mut [f32],
-        a: [f64; 2],
-        b: [f64; 2],
-        width: f64,
-        dash: Option<f64>,
-        gone: f64,
-    ) {
-        let reach = width / 2.0 + 1.0;
-        let range = |axis: usize, size: usize| {
-            let low = a[axis].min(b[axis]) - reach;
-            let high = a[axis].max(b[axis]) + reach;
-            clamped(low, size)..clamped(high.ceil(), size)
-        };
-        let length = length(a, b);
-        for y in range(1, self.height) {
-            for x in range(0, self.width) {
-                let p = [x as f64 + 0.5, y as f64 + 0.5];
-                let (distance, along) = distance_to(p, a, b);
-                let is_gap = dash.is_some_and(|d| ((gone + along * length) / d) % 2.0 >= 1.0);
-                let share = (width / 2.0 + 0.5 - distance).clamp(0.0, 1.0);
-                if !is_gap {
-                    let covered = &mut coverage[y * self.width + x];
-                    *covered = covered.max(to_f32(share));
-                }
+        for (y, row) in coverage.rows() {
+            let start = y * self.width + coverage.columns.start;
+            for (pixel, &share) in self.pixels[start..].iter_mut().zip(row) {
+                blend(pixel, color, share);
             }
         }
     }
@@ -168,6 +146,63 @@ impl Canvas {
     }
 }
 
+/// How much of each pixel of a part of a picture a line covers.
+struct Coverage {
+    columns: Range<usize>,
+    rows: Range<usize>,
+    shares: Vec<f32>,
+}
+
+impl Coverage {
+    fn new(columns: Range<usize>, rows: Range<usize>) -> Self {
+        let shares = vec![0.0; columns.len() * rows.len()];
+        Self {
+            columns,
+            rows,
+            shares,
+        }
+    }
+
+    /// Each row with its number, if there are any pixels.
+    fn rows(&self) -> impl Iterator<Item = (usize, &[f32])> {
+        let rows = self.shares.chunks(self.columns.len().max(1));
+        self.rows.clone().zip(rows)
+    }
+
+    /// Adds a segment; `gone` is the length of the path before it.
+    fn add(&mut self, a: [f64; 2], b: [f64; 2], width: f64, dash: Option<f64>, gone: f64) {
+        let length = length(a, b);
+        let within = |range: &Range<usize>, axis: usize| {
+            let near = covered([a[axis], b[axis]].into_iter(), width, range.end);
+            near.start.max(range.start)..near.end
+        };
+        for y in within(&self.rows, 1) {
+            for x in within(&self.columns, 0) {
+                let p = [x as f64 + 0.5, y as f64 + 0.5];
+                let (distance, along) = distance_to(p, a, b);
+                let is_gap = dash.is_some_and(|d| ((gone + along * length) / d) % 2.0 >= 1.0);
+                let share = (width / 2.0 + 0.5 - distance).clamp(0.0, 1.0);
+                if !is_gap {
+                    let i = (y - self.rows.start) * self.columns.len() + x - self.columns.start;
+                    self.shares[i] = self.shares[i].max(to_f32(share));
+                }
+            }
+        }
+    }
+}
+
+/// The pixels below `size` that a line of such a width through these coordinates may cover.
+fn covered(
+    coordinates: impl Iterator<Item = f64> + Clone,
+    width: f64,
+    size: usize,
+) -> Range<usize> {
+    let reach = width / 2.0 + 1.0;
+    let low = coordinates.clone().fold(f64::INFINITY, f64::min) - reach;
+    let high = coordinates.fold(f64::NEG_INFINITY, f64::max) + reach;
+    clamped(low, size)..clamped(high.ceil(), size)
+}
+
 fn blend(pixel: &mut [u8; 3], color: [u8; 3], share: f32) {
     for (to, from) in pixel.iter_mut().zip(color) {
         let mixed = f32::from(*to) + (f32::from(from) - f32::from(*to)) * share;
@@ -215,6 +250,26 @@ fn to_f32(x: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_beside_the_picture_are_not_seen() {
+        let mut canvas = Canvas::new(20, 10);
+        for points in [
+            vec![],
+            vec![[3.0, 3.0]],
+            vec![[-50.0, -50.0], [-20.0, 30.0]],
+            vec![[30.0, 4.0], [90.0, 4.0]],
+            vec![[f64::NAN, 4.0], [5.0, 4.0]],
+        ] {
+            canvas.path(&points, [0; 3], 2.0, None);
+        }
+        assert_eq!(darkness(&canvas), 0.0, "nothing within the picture");
+        canvas.path(&[[-1e9, 5.0], [1e9, 5.0]], [0; 3], 2.0, None);
+        assert!(
+            (darkness(&canvas) - 40.0).abs() < 1e-3,
+            "a stripe through it"
+        );
+    }
 
     fn darkness(canvas: &Canvas) -> f64 {
         let dark = |p: &[u8; 3]| 1.0 - f64::from(p[0]) / 255.0;

@@ -1,6 +1,6 @@
 //! What an exhibit is: a name, what it shows, and how it is drawn.
 
-use hemicube_chart::{Canvas, Chart};
+use hemicube_chart::{Canvas, Chart, Drawing};
 use hemicube_raster::image::ImageError;
 use hemicube_raster::{Image, Rgb};
 use std::io::Cursor;
@@ -56,6 +56,11 @@ impl Piece {
     pub fn chart(suffix: &str, chart: &Chart, (width, height): (usize, usize)) -> Self {
         let svg = chart.draw(width, height).svg();
         Self::new(format!("{suffix}.svg"), svg.into_bytes())
+    }
+
+    /// Lines and text, as SVG.
+    pub fn drawing(suffix: &str, drawing: &Drawing) -> Self {
+        Self::new(format!("{suffix}.svg"), drawing.svg().into_bytes())
     }
 
     /// A table; the text is written as it is.

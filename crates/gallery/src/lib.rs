@@ -7,8 +7,10 @@
 //! Exhibits on measured data ask for files ([`Exhibit::needs`]); all others need nothing.
 #![forbid(unsafe_code)]
 
+mod bumps;
 mod exhibit;
 mod stage;
+mod two_part;
 
 pub use exhibit::{Exhibit, GalleryError, Piece, Request};
 
@@ -18,4 +20,4 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[];
+const ROOMS: &[&[Exhibit]] = &[two_part::EXHIBITS, bumps::EXHIBITS];

@@ -6,8 +6,10 @@
 //! conversion using 2D homogeneous coordinates*, Graphics Hardware 1997).
 
 mod meshes;
+mod sheet;
 
 pub(crate) use meshes::{Mesh, Vertex};
+pub(crate) use sheet::{Cell, Grid};
 
 use core::ops::Range;
 use glam::{DMat3, DVec3, Mat4, Vec2, Vec3, Vec4};
@@ -53,8 +55,6 @@ impl Camera {
 pub(crate) struct Fragment {
     /// Which of the meshes.
     pub mesh: usize,
-    /// Which of its triangles.
-    pub triangle: usize,
     /// Place in the world.
     pub position: Vec3,
     /// Its derivatives.
@@ -71,6 +71,20 @@ pub(crate) struct Fragment {
     pub tangent: Vec4,
     /// Direction to the eye, of length 1.
     pub view: Vec3,
+}
+
+impl Fragment {
+    /// Derivatives of the place by u and v. `None` where the texture has no area on the screen.
+    pub fn d_position_by_texcoord(&self) -> Option<[Vec3; 2]> {
+        let [dx, dy] = self.d_texcoord;
+        let [px, py] = self.d_position;
+        let inverse = 1.0 / dx.perp_dot(dy);
+        let by = [
+            (px * dy.y - py * dx.y) * inverse,
+            (py * dx.x - px * dy.x) * inverse,
+        ];
+        by.iter().all(|d| d.is_finite()).then_some(by)
+    }
 }
 
 /// How a picture is sampled.
@@ -113,10 +127,12 @@ pub(crate) fn draw(
         meshes,
         positions,
     };
+    let bins = stage.bins(ROWS_PER_BAND * per_side);
     let rows = image.pixels_mut().par_chunks_mut(width * ROWS_PER_BAND);
     rows.enumerate().for_each(|(band, pixels)| {
         let first = band * ROWS_PER_BAND * per_side;
-        let samples = stage.shade_rows(first..first + pixels.len() / width * per_side, &shade);
+        let rows = first..first + pixels.len() / width * per_side;
+        let samples = stage.shade_rows(rows, &bins[band], &shade);
         average(&samples, per_side, width, background, pixels);
     });
     image
@@ -152,14 +168,49 @@ struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// The samples of some rows, `None` where no mesh is seen.
+    /// For each band of so many rows the triangles that may be seen there, as mesh and triangle, in their order.
+    fn bins(&self, rows: usize) -> Vec<Vec<(usize, usize)>> {
+        let mut bins = vec![Vec::new(); self.viewport.height.div_ceil(rows)];
+        for (m, mesh) in self.meshes.iter().enumerate() {
+            for (t, triangle) in mesh.triangles.iter().enumerate() {
+                let corners = triangle.map(|vertex| self.positions[m][vertex as usize]);
+                for bin in &mut bins[self.bands_of(&corners, rows)] {
+                    bin.push((m, t));
+                }
+            }
+        }
+        bins
+    }
+
+    /// The bands of a triangle; all of them if a corner is not in front of the eye.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to the number of bands"
+    )]
+    fn bands_of(&self, corners: &[Vec4; 3], rows: usize) -> Range<usize> {
+        let bands = self.viewport.height.div_ceil(rows);
+        if !corners.iter().all(|p| p.w > 0.0) {
+            return 0..bands;
+        }
+        let per_ndc = 0.5 * self.viewport.height as f32 / rows as f32;
+        let [a, b, c] = corners.map(|p| (1.0 - p.y / p.w) * per_ndc);
+        // A row more on both sides for corners that are rounded to sub-pixels.
+        let margin = 1.0 / rows as f32;
+        let first = (a.min(b).min(c) - margin).floor().clamp(0.0, bands as f32);
+        let end = (a.max(b).max(c) + margin).ceil().clamp(first, bands as f32);
+        first as usize..end as usize
+    }
+
+    /// The samples of some rows, `None` where no mesh is seen. `triangles` are those that may be seen there.
     fn shade_rows(
         &self,
         rows: Range<usize>,
+        triangles: &[(usize, usize)],
         shade: &impl Fn(&Fragment) -> Rgb,
     ) -> Vec<Option<Rgb>> {
         let width = self.viewport.width;
-        let seen = self.visible(rows.clone());
+        let seen = self.visible(rows.clone(), triangles);
         let sample = |(i, seen): (usize, &Option<(usize, usize)>)| {
             let (mesh, triangle) = (*seen)?;
             let fragment = self.fragment(mesh, triangle, i % width, rows.start + i / width)?;
@@ -169,26 +220,28 @@ impl Stage<'_> {
     }
 
     /// Mesh and triangle seen by each sample of some rows.
-    fn visible(&self, rows: Range<usize>) -> Vec<Option<(usize, usize)>> {
+    fn visible(
+        &self,
+        rows: Range<usize>,
+        triangles: &[(usize, usize)],
+    ) -> Vec<Option<(usize, usize)>> {
         let width = self.viewport.width;
         let mut depths = vec![DepthBuffer::EMPTY; rows.len() * width];
         let mut seen = vec![None; depths.len()];
-        for (m, mesh) in self.meshes.iter().enumerate() {
-            for (t, triangle) in mesh.triangles.iter().enumerate() {
-                let corners =
-                    triangle.map(|vertex| ClipVertex::new(self.positions[m][vertex as usize], []));
-                draw_triangle(
-                    rows.clone(),
-                    self.viewport,
-                    Cull::None,
-                    &corners,
-                    &mut depths,
-                    |x, y, _, []| {
-                        seen[(y - rows.start) * width + x] = Some((m, t));
-                        true
-                    },
-                );
-            }
+        for &(m, t) in triangles {
+            let corners = self.meshes[m].triangles[t]
+                .map(|vertex| ClipVertex::new(self.positions[m][vertex as usize], []));
+            draw_triangle(
+                rows.clone(),
+                self.viewport,
+                Cull::None,
+                &corners,
+                &mut depths,
+                |x, y, _, []| {
+                    seen[(y - rows.start) * width + x] = Some((m, t));
+                    true
+                },
+            );
         }
         seen
     }
@@ -221,17 +274,10 @@ impl Stage<'_> {
             slope(DVec3::new(0.0, -2.0 / h, 0.0)),
         ];
         let vertices = corners.map(|i| self.meshes[mesh].vertices[i]);
-        Some(self.interpolate(mesh, triangle, &vertices, b.as_vec3(), db))
+        Some(self.interpolate(mesh, &vertices, b.as_vec3(), db))
     }
 
-    fn interpolate(
-        &self,
-        mesh: usize,
-        triangle: usize,
-        vertices: &[Vertex; 3],
-        b: Vec3,
-        db: [Vec3; 2],
-    ) -> Fragment {
+    fn interpolate(&self, mesh: usize, vertices: &[Vertex; 3], b: Vec3, db: [Vec3; 2]) -> Fragment {
         let weights = b.to_array();
         let sum3 = |w: [f32; 3], of: fn(&Vertex) -> Vec3| -> Vec3 {
             of(&vertices[0]) * w[0] + of(&vertices[1]) * w[1] + of(&vertices[2]) * w[2]
@@ -252,7 +298,6 @@ impl Stage<'_> {
         let tangent = sum3(weights, |v| v.tangent.truncate());
         Fragment {
             mesh,
-            triangle,
             position,
             d_position: derivatives.map(|w| sum3(w, |v| v.position)),
             normal,
@@ -315,6 +360,9 @@ mod tests {
                 let moved = (there - here) / step;
                 assert!((moved - expected).length() < 0.02, "{moved} for {expected}");
             }
+            let [pu, pv] = f.d_position_by_texcoord().expect("a textured plane");
+            let error = (pu - Vec3::X * 2.0).length() + (pv - Vec3::Z * 2.0).length();
+            assert!(error < 1e-4, "{pu} {pv}");
             // The plane's texture is laid over x and z.
             for (d, t) in f.d_position.into_iter().zip(f.d_texcoord) {
                 assert!((Vec2::new(d.x, d.z) / 2.0 - t).length() < 1e-5, "{d} {t}");

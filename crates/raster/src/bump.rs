@@ -10,10 +10,13 @@
 //! * [`relief`]: orange peel, ripples, bricks, a golf ball, noise; heights with exact gradients,
 //! * [`SlopeMoments`]: any of them seen from afar, where bumps become roughness.
 //!
+//! [`Parallax`] moves the texture with the eye as well.
+//!
 //! Only normals tilt. The silhouette and the shadows stay those of the smooth surface: that is the method's limit.
 
 mod height_map;
 mod normal_map;
+mod parallax;
 pub mod relief;
 mod slope_moments;
 mod surface_gradient;
@@ -21,5 +24,6 @@ pub mod tangents;
 
 pub use height_map::{HeightMap, HeightMapError, HeightSample, MAX_SIDE};
 pub use normal_map::{blend_reoriented, decode_normal, encode_normal};
+pub use parallax::{Parallax, sight_slope};
 pub use slope_moments::{SlopeMoments, SlopePyramid};
 pub use surface_gradient::{SurfaceGradient, blinn_normal, facing, triplanar_weights};

@@ -7,6 +7,11 @@
 //! [`triangle`] draws perspective-correct triangles with a z-buffer and item buffers ([`clip`] cuts them in homogeneous
 //! coordinates before), [`tonemap`] brings light into the range of a display, [`image`] holds and stores pictures (PNG in
 //! sRGB, OpenEXR in linear light). Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
+//!
+//! [`two_part`] puts textures on objects by an intermediate surface, [`bump`] tilts normals by heights and normal maps and
+//! turns distant bumps into roughness, [`reflection`] has Phong's models. Where a mapping or a bump is not defined they give
+//! nothing (`None`, no bump) and never a number that is not finite; `TwoPart::map` takes 70 to 200 ns a point, as
+//! its derivatives go through f64 dual numbers. Not there: horizon maps (bumps cast no shadows), displacement of meshes.
 #![forbid(unsafe_code)]
 
 pub mod antialias;

@@ -25,7 +25,7 @@ pub use distortion::{Distortion, DistortionSummary, surface_frame};
 pub use intermediate::{BoxLayout, SMap, SphereLayout};
 
 use dual::{Dual, Dual3};
-use glam::{DQuat, DVec2, DVec3, Quat, Vec2, Vec3};
+use glam::{DMat3, DVec2, DVec3, Quat, Vec2, Vec3};
 use intermediate::{Hit, Ray};
 
 /// Which point of the intermediate surface a point of the object takes.
@@ -175,26 +175,23 @@ impl TwoPart {
 
     /// Start and end of the line, in the frame of the intermediate surface.
     fn meet(&self, surface: &SurfacePoint) -> Option<(Dual3, Hit)> {
-        let inverse = self.rotation.as_dquat().conjugate();
+        let inverse = DMat3::from_quat(self.rotation.as_dquat().conjugate());
         let center = self.center.as_dvec3();
         let p = local(surface.point.as_dvec3() - center, surface.d_point, inverse);
-        let n = || {
-            let (normal, d) = (surface.normal.as_dvec3(), surface.d_normal);
-            local(normal, d, inverse).normalized()
-        };
+        let normal = || local(surface.normal.as_dvec3(), surface.d_normal, inverse);
         let (start, hit) = match self.o {
             OMap::IntermediateNormal => (p, self.s.foot(p)),
             OMap::ReflectedRay => {
                 let view = surface.view.as_dvec3();
-                let v = local(view, surface.d_view, inverse).normalized()?;
-                let n = n()?;
+                let v = local(view, surface.d_view, inverse).non_zero()?;
+                let n = normal().normalized()?;
                 let direction = n.scaled(n.dot(v) * 2.0) - v;
                 (p, self.exit(p, direction))
             }
-            OMap::ObjectNormal => (p, self.exit(p, n()?)),
+            OMap::ObjectNormal => (p, self.exit(p, normal().non_zero()?)),
             OMap::Centroid(centroid) => {
                 let c = local(centroid.as_dvec3() - center, [Vec3::ZERO; 2], inverse);
-                (c, self.exit(c, (p - c).normalized()?))
+                (c, self.exit(c, (p - c).non_zero()?))
             }
         };
         let hit = hit.filter(|hit| hit.point.is_finite())?;
@@ -209,6 +206,6 @@ impl TwoPart {
 }
 
 /// A vector with its derivatives in a turned frame.
-fn local(value: DVec3, d: [Vec3; 2], inverse: DQuat) -> Dual3 {
+fn local(value: DVec3, d: [Vec3; 2], inverse: DMat3) -> Dual3 {
     Dual3::new(inverse * value, d.map(|d| inverse * d.as_dvec3()))
 }

@@ -6,9 +6,11 @@ use hemicube_raster::bump::relief::{
     Bricks, GolfBall, Noise, OrangePeel, Relief, ReliefSample, Ripples,
 };
 use hemicube_raster::bump::{
-    HeightMap, HeightMapError, SlopeMoments, SlopePyramid, SurfaceGradient, blend_reoriented,
-    blinn_normal, decode_normal, encode_normal, facing, triplanar_weights,
+    HeightMap, HeightMapError, Parallax, SlopeMoments, SlopePyramid, SurfaceGradient,
+    blend_reoriented, blinn_normal, decode_normal, encode_normal, facing, sight_slope,
+    triplanar_weights,
 };
+use hemicube_raster::reflection::BlinnPhong;
 use proptest::prelude::*;
 
 fn unit() -> impl Strategy<Value = Vec3> {
@@ -138,6 +140,32 @@ proptest! {
         prop_assert!(normal.dot(view) < 0.0 || found == normal);
     }
 
+    /// A line of sight ends on the relief, with nothing of it above, to the accuracy of its steps.
+    #[test]
+    fn parallax_ends_where_the_relief_is(u in 0.0_f32..1.0, v in 0.0_f32..1.0, slope in prop::array::uniform2(-0.3_f32..0.3)) {
+        let depth = |p: Vec2| 0.5 + 0.3 * (5.0 * p.x).sin() * (4.0 * p.y).cos() + 0.1 * (11.0 * p.x).cos();
+        let (start, slope) = (Vec2::new(u, v), Vec2::from(slope));
+        let (end, at) = Parallax::default().with_refinements(20).meet(depth, start, slope);
+        prop_assert!((end - start - slope * at).length() < 1e-5, "on the line");
+        // The slope of what is below is at most 3 per unit, 1.3 along the line.
+        prop_assert!((at - depth(end)).abs() < 1e-4, "{at} for {}", depth(end));
+        for i in 0_u16..1000 {
+            let before = at * f32::from(i) / 1000.0;
+            prop_assert!(before <= depth(start + slope * before) + 1e-4, "hidden at {before}");
+        }
+    }
+
+    #[test]
+    fn line_of_sight_stays_in_line(normal in unit(), view in unit(), m in prop::array::uniform4(-2.0_f32..2.0)) {
+        prop_assume!((m[0] * m[3] - m[1] * m[2]).abs() > 0.2 && normal.dot(view) > 0.1);
+        let [pu, pv] = tangents(normal, m);
+        let slope = sight_slope(normal, [pu, pv], view, 0.5).expect("seen from outside");
+        let bottom = pu * slope.x + pv * slope.y - normal * 0.5;
+        prop_assert!(bottom.normalize().dot(view) < -0.9999, "{bottom} away from the eye");
+        prop_assert!(sight_slope(normal, [pu, pv], -view, 0.5).is_none());
+        prop_assert!(sight_slope(normal, [pu, pu], view, 0.5).is_none());
+    }
+
     #[test]
     fn any_numbers_give_unit_normals(
         numbers in prop::collection::vec(prop_oneof![any::<f32>(), -2.0_f32..2.0, Just(0.0)], 16), normal in unit(),
@@ -163,6 +191,9 @@ proptest! {
             let ReliefSample { height, gradient } = relief.sample(a);
             prop_assert!(height.is_finite() && gradient.is_finite(), "{name}");
         }
+        let (end, at) = Parallax::default().meet(|p| p.x * numbers[15], Vec2::splat(0.5), Vec2::new(0.1, 0.2));
+        prop_assert!((0.0..=1.0).contains(&at) && end.is_finite());
+        prop_assert!(sight_slope(normal, [a, b], c, numbers[9]).is_none_or(Vec2::is_finite));
         let map = HeightMap::from_fn(4, 4, |p| p.x).expect("a height map");
         let found = map.sample(s);
         prop_assert!(found.height.is_finite() && found.slopes.is_finite());
@@ -276,6 +307,38 @@ fn noise_is_seeded_and_reliefs_are_not_flat() {
         });
         let mean = slopes.sum::<f32>() / 100.0;
         assert!(mean > 0.02 && mean < 3.0, "{name}: mean slope {mean}");
+    }
+}
+
+/// The belt of dimples that are looked at has all that reach a point.
+#[test]
+fn golf_ball_is_the_sum_of_all_dimples() {
+    for n in [1_u32, 2, 7, 50, 336] {
+        let ball = GolfBall::default().with_dimples(n);
+        let count = f64::from(n);
+        let radius = 0.95 * (2.0 * core::f64::consts::PI / (count * 3.0_f64.sqrt())).sqrt();
+        let center = |i: u32| {
+            let y = 1.0 - (2.0 * f64::from(i) + 1.0) / count;
+            let angle = f64::from(i) * core::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+            let r = (1.0 - y * y).sqrt();
+            DVec3::new(r * angle.cos(), y, r * angle.sin())
+        };
+        for k in 0_u16..2000 {
+            let (y, angle) = (f64::from(k) / 999.5 - 1.0, 0.37 * f64::from(k));
+            let r = (1.0 - y * y).max(0.0).sqrt();
+            let p = DVec3::new(r * angle.cos(), y, r * angle.sin());
+            let hump = |i| {
+                (1.0 - (p.distance(center(i)) / radius).powi(2))
+                    .max(0.0)
+                    .powi(3)
+            };
+            let expected = -0.02 * (0..n).map(hump).sum::<f64>();
+            let found = f64::from(ball.sample((p * 2.5).as_vec3()).height);
+            assert!(
+                (found - expected).abs() < 1e-6,
+                "{n} dimples at {p}: {found} for {expected}"
+            );
+        }
     }
 }
 
@@ -415,6 +478,50 @@ fn normal_distribution_adds_up_to_one() {
     let flat = SlopeMoments::default();
     assert!(flat.normal_distribution(Vec3::Z, 0.0).is_finite());
     assert_eq!(flat.normal_distribution(Vec3::NEG_Z, 0.5), 0.0);
+}
+
+/// The highlight of a plane so far away that a pixel covers all of its relief, against the mean over its points. Measured
+/// over angles up to 0.3: LEAN is off by 4.8 % of the light, Toksvig by 4.0 %, and the mean normal, that of a flat plane, by
+/// 336 %: far too bright in the mirror direction, and dark beside it.
+#[test]
+fn distant_highlights_keep_their_light() {
+    let exponent = 200.0;
+    let gloss = BlinnPhong::new(exponent);
+    let noise = Noise::default().with_frequency(1.0).with_octaves(1);
+    let height = |p: Vec2| noise.sample((p * 20.0).extend(0.5)).height * 0.3;
+    let map = HeightMap::from_fn(128, 128, height).expect("a map");
+    let pyramid = SlopePyramid::new(map.slope_moments());
+    let far = pyramid.sample(Vec2::ZERO, [Vec2::X, Vec2::Y]);
+    let variance = far.covariance()[0];
+    assert!(
+        variance > 2.0 / exponent,
+        "bumps outdo the gloss: {variance}"
+    );
+    let (mut light, mut lean_off, mut toksvig_off, mut mean_off) = (0.0, 0.0, 0.0, 0.0);
+    for angle in [0.0_f32, 0.05, 0.1, 0.15, 0.2, 0.3] {
+        let half = Vec3::new(angle.sin(), 0.0, angle.cos());
+        let at = |slopes: Vec2, gloss: BlinnPhong| {
+            let normal = Vec3::new(-slopes.x, -slopes.y, 1.0).normalize();
+            gloss.normal_distribution(normal.dot(half))
+        };
+        let mut truth = 0.0;
+        for i in 0_u16..10_000 {
+            let uv = (Vec2::new(f32::from(i % 100), f32::from(i / 100)) + 0.5) / 100.0;
+            truth += at(map.sample(uv).slopes, gloss) / 10_000.0;
+        }
+        let lean = far.normal_distribution(half, (2.0 / exponent).sqrt());
+        let toksvig = at(far.mean, BlinnPhong::new(far.toksvig_exponent(exponent)));
+        light += truth;
+        lean_off += (lean - truth).abs();
+        toksvig_off += (toksvig - truth).abs();
+        mean_off += (at(far.mean, gloss) - truth).abs();
+    }
+    let [lean, toksvig, mean] = [lean_off, toksvig_off, mean_off].map(|off| off / light);
+    assert!(
+        lean < 0.1 && toksvig < 0.12,
+        "LEAN {lean}, Toksvig {toksvig}"
+    );
+    assert!(mean > 2.0, "mean normal {mean}");
 }
 
 #[test]

@@ -511,6 +511,34 @@ fn caps_and_faces_are_seen_upright_from_outside() {
 }
 
 #[test]
+fn extents_are_lengths_on_the_surface() {
+    for s in S_MAPS {
+        for face in 0..s.faces() {
+            let middle = match s {
+                SMap::Box {
+                    layout: BoxLayout::Cross,
+                    ..
+                } => {
+                    Vec2::new(
+                        [2.5, 0.5, 1.5, 1.5, 1.5, 3.5][face],
+                        [1.5, 1.5, 0.5, 2.5, 1.5, 1.5][face],
+                    ) / Vec2::new(4.0, 3.0)
+                }
+                _ => Vec2::splat(0.5),
+            };
+            let at = |d: Vec2| s.point(middle + d, face).expect("a point");
+            let h = 1e-3;
+            let lengths = [Vec2::X, Vec2::Y].map(|d| (at(d * h) - at(-d * h)).length() / (2.0 * h));
+            let difference = Vec2::from(lengths) - s.extent(face);
+            assert!(
+                difference.length() < 1e-2,
+                "{s:?}, face {face}: {lengths:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn cross_unfolds_without_tearing_the_front() {
     let s = SMap::Box {
         half: HALF,
@@ -543,10 +571,14 @@ fn summary_weighs_by_area() {
         .expect("some texture");
     assert_eq!(summary.mapped, 0.5);
     assert_eq!(summary.mapped_area, 4.0);
-    assert_eq!(summary.area, [2.0, 3.5, 4.0]);
-    assert_eq!([summary.anisotropy[0], summary.anisotropy[2]], [2.0, 4.0]);
     let mean = 2.0_f64.powf(0.25) * 4.0_f64.powf(0.75);
-    assert!((summary.anisotropy[1] - mean).abs() < 1e-12, "{summary:?}");
+    for [low, middle, high] in [summary.area, summary.anisotropy] {
+        assert_eq!([low, high], [2.0, 4.0]);
+        assert!((middle - mean).abs() < 1e-12, "{summary:?}");
+    }
+    let line = DistortionSummary::of([(1.0, d(1.0, 0.0)), (1.0, d(2.0, 2.0))]).expect("some");
+    assert_eq!(line.area, [0.0, 4.0, 4.0]);
+    assert_eq!(line.anisotropy, [1.0, 1.0, f64::INFINITY]);
     assert_eq!(DistortionSummary::of([(1.0, None)]), None);
     let squeezed = SphereLayout::Stereographic { edge: FRAC_PI_2 };
     assert_eq!(squeezed, SphereLayout::HEMISPHERE);

@@ -143,30 +143,47 @@ impl SlopePyramid {
         &self.levels
     }
 
-    /// The moments around a texture coordinate over a pixel's footprint, trilinear; the texture repeats.
+    /// The moments around a texture coordinate over a pixel's footprint; the texture repeats.
     ///
-    /// `d_texcoord` are the derivatives by the pixel's column and row. The level is that of the footprint's area (its
-    /// mean width in texels), so that moments are neither those of the longer side nor those of the shorter one. Flat for
-    /// numbers that are not finite.
+    /// `d_texcoord` are the derivatives by the pixel's column and row. Up to 16 trilinear samples lie along the longer of
+    /// them, each as wide as the footprint is across: what is seen at a grazing angle is long and narrow, and moments of a
+    /// round footprint would be those of too much or too little. Flat for numbers that are not finite.
     pub fn sample(&self, texcoord: Vec2, d_texcoord: [Vec2; 2]) -> SlopeMoments {
         let base = &self.levels[0];
         let size = Vec2::new(base.width() as f32, base.height() as f32);
         let [dx, dy] = d_texcoord.map(|d| d * size);
-        // A needle's area is 0: its width counts as at least a sixteenth of its length.
-        let longer = dx.length_squared().max(dy.length_squared());
-        let area = dx.perp_dot(dy).abs().max(longer / 16.0);
-        if !texcoord.is_finite() || !area.is_finite() {
+        let (longer, along) = if dx.length_squared() > dy.length_squared() {
+            (dx.length(), d_texcoord[0])
+        } else {
+            (dy.length(), d_texcoord[1])
+        };
+        let across = dx.perp_dot(dy).abs() / longer.max(f32::MIN_POSITIVE);
+        if !texcoord.is_finite() || !longer.is_finite() || !across.is_finite() {
             return SlopeMoments::default();
         }
-        let last = (self.levels.len() - 1) as f32;
-        let level = (0.5 * area.max(1.0).log2()).min(last);
-        let fine = self.levels.len().min(index(level) + 1) - 1;
-        let coarse = (fine + 1).min(self.levels.len() - 1);
+        let taps = (longer / across.max(1.0)).ceil().clamp(1.0, MOST_TAPS);
+        let level = across.max(longer / taps).max(1.0).log2();
+        let mut sum = SlopeMoments::default();
+        for i in 0..index(taps) {
+            let share = (i as f32 + 0.5) / taps - 0.5;
+            sum += self.trilinear(texcoord + along * share, level);
+        }
+        sum * (1.0 / taps)
+    }
+
+    /// Bilinear in the two levels around one of them, which is not negative.
+    fn trilinear(&self, texcoord: Vec2, level: f32) -> SlopeMoments {
+        let coarsest = self.levels.len() - 1;
+        let level = level.min(coarsest as f32);
+        let fine = index(level);
         let share = level - fine as f32;
         bilinear(&self.levels[fine], texcoord) * (1.0 - share)
-            + bilinear(&self.levels[coarse], texcoord) * share
+            + bilinear(&self.levels[(fine + 1).min(coarsest)], texcoord) * share
     }
 }
+
+/// Most samples along a footprint; one that is longer is read blurrier.
+const MOST_TAPS: f32 = 16.0;
 
 /// Half as many texels along each side (rounded down, at least 1), each the mean of the area that it covers. `None` for a
 /// single texel.

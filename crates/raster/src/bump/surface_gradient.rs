@@ -168,15 +168,16 @@ pub fn triplanar_weights(normal: Vec3) -> Vec3 {
 /// right angles to `Pu` and `Pv`. Terms of the height times the surface's curvature are left out: heights are small
 /// against its radius. `n` itself where `Pu` and `Pv` are parallel.
 pub fn blinn_normal(normal: Vec3, pu: Vec3, pv: Vec3, d_height: [f32; 2]) -> Vec3 {
-    let [hu, hv] = d_height;
+    // In f64, where products of tiny or huge derivatives neither vanish nor overflow.
+    let [unit, pu, pv] = [normal, pu, pv].map(Vec3::as_dvec3);
+    let [hu, hv] = d_height.map(f64::from);
     let n = pu.cross(pv);
-    let sign = normal.dot(n).signum();
-    let tilt = normal.cross(pv) * hu - normal.cross(pu) * hv;
-    let bumped = normal * n.length() + tilt * sign;
-    if n == Vec3::ZERO {
+    if n == DVec3::ZERO {
         return normal;
     }
-    bumped.try_normalize().unwrap_or(normal)
+    let tilt = unit.cross(pv) * hu - unit.cross(pu) * hv;
+    let bumped = unit * n.length() + tilt * unit.dot(n).signum();
+    bumped.try_normalize().map_or(normal, |n| n.as_vec3())
 }
 
 /// The normal nearest to a bumped one that still faces the viewer: light would else be mirrored into the surface.

@@ -140,14 +140,14 @@ pub fn corner_tangents(mesh: &IndexedTriangles<'_>) -> Result<Vec<[Vec4; 3]>, Ta
             [Vec4::new(1.0, 0.0, 0.0, 1.0); 3]
         }
     });
-    let mut session = Session {
+    let mut corners = Corners {
         mesh,
         faces: smoothed_faces(mesh),
         tangents: tangents.collect(),
     };
     // Its error type has no values.
-    let _ = generate_tangents(&mut session);
-    Ok(session.tangents)
+    let _ = generate_tangents(&mut corners);
+    Ok(corners.tangents)
 }
 
 /// The triangles for MikkTSpace: those with finite numbers, not too many around a vertex.
@@ -168,7 +168,7 @@ fn smoothed_faces(mesh: &IndexedTriangles<'_>) -> Vec<usize> {
 }
 
 /// What MikkTSpace reads and writes.
-struct Session<'a> {
+struct Corners<'a> {
     mesh: &'a IndexedTriangles<'a>,
     /// Triangle of each of its faces.
     faces: Vec<usize>,
@@ -176,13 +176,13 @@ struct Session<'a> {
     tangents: Vec<[Vec4; 3]>,
 }
 
-impl Session<'_> {
+impl Corners<'_> {
     fn vertex(&self, face: usize, corner: usize) -> usize {
         self.mesh.triangles[self.faces[face]][corner] as usize
     }
 }
 
-impl Geometry for Session<'_> {
+impl Geometry for Corners<'_> {
     fn num_faces(&self) -> usize {
         self.faces.len()
     }

@@ -53,6 +53,9 @@ impl Distortion {
 }
 
 /// Smallest, mean and largest distortion over a surface, weighted by area.
+///
+/// Means are geometric: a mapping has poles and lines where it squeezes without bound, and an arithmetic mean would tell
+/// of nothing else. Where a value is zero or infinite it counts as smallest or largest, but not in the mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DistortionSummary {
     /// Surface area on which there is a texture, in the units of the places.
@@ -61,8 +64,7 @@ pub struct DistortionSummary {
     pub mapped: f64,
     /// Texture area on a unit of surface: smallest, mean, largest.
     pub area: [f64; 3],
-    /// Ratio of the singular values: smallest, mean, largest. The mean is the geometric one: one line of infinite
-    /// anisotropy does not drown the rest. Points of infinite anisotropy count in the largest only.
+    /// Ratio of the singular values: smallest, mean, largest.
     pub anisotropy: [f64; 3],
 }
 
@@ -78,55 +80,63 @@ impl DistortionSummary {
     }
 }
 
-/// Sums for a summary; x, y and z are weights, areas and logarithms of anisotropies.
+/// Sums for a summary.
 #[derive(Debug, Default)]
 struct Sums {
     total: f64,
     mapped: f64,
-    area: f64,
-    anisotropy: f64,
-    /// Weight of what has a finite anisotropy.
-    finite: f64,
-    area_range: Option<[f64; 2]>,
-    anisotropy_range: Option<[f64; 2]>,
+    area: Spread,
+    anisotropy: Spread,
 }
 
 impl Sums {
     fn add(&mut self, weight: f64, distortion: Option<Distortion>) {
         self.total += weight;
-        let Some(distortion) = distortion else {
-            return;
-        };
-        let (area, anisotropy) = (distortion.area(), distortion.anisotropy());
-        self.mapped += weight;
-        self.area += weight * area;
-        if anisotropy.is_finite() {
-            self.anisotropy += weight * anisotropy.ln();
-            self.finite += weight;
+        if let Some(distortion) = distortion {
+            self.mapped += weight;
+            self.area.add(weight, distortion.area());
+            self.anisotropy.add(weight, distortion.anisotropy());
         }
-        widen(&mut self.area_range, area);
-        widen(&mut self.anisotropy_range, anisotropy);
     }
 
     fn summary(&self) -> Option<DistortionSummary> {
-        let ([a0, a1], [b0, b1]) = (self.area_range?, self.anisotropy_range?);
-        let mean = if self.finite > 0.0 {
-            (self.anisotropy / self.finite).exp()
-        } else {
-            f64::INFINITY
-        };
         Some(DistortionSummary {
             mapped_area: self.mapped,
             mapped: self.mapped / self.total,
-            area: [a0, self.area / self.mapped, a1],
-            anisotropy: [b0, mean, b1],
+            area: self.area.summary()?,
+            anisotropy: self.anisotropy.summary()?,
         })
     }
 }
 
-fn widen(range: &mut Option<[f64; 2]>, value: f64) {
-    let [low, high] = range.unwrap_or([value; 2]);
-    *range = Some([low.min(value), high.max(value)]);
+/// Range and geometric mean of values that are not negative.
+#[derive(Debug, Default)]
+struct Spread {
+    range: Option<[f64; 2]>,
+    logarithms: f64,
+    weight: f64,
+}
+
+impl Spread {
+    fn add(&mut self, weight: f64, value: f64) {
+        let [low, high] = self.range.unwrap_or([value; 2]);
+        self.range = Some([low.min(value), high.max(value)]);
+        if value > 0.0 && value.is_finite() {
+            self.logarithms += weight * value.ln();
+            self.weight += weight;
+        }
+    }
+
+    /// Smallest, mean, largest; a mean of nothing is the largest.
+    fn summary(&self) -> Option<[f64; 3]> {
+        let [low, high] = self.range?;
+        let mean = if self.weight > 0.0 {
+            (self.logarithms / self.weight).exp()
+        } else {
+            high
+        };
+        Some([low, mean, high])
+    }
 }
 
 /// Two directions of length 1 at right angles to each other and to `normal`: along them derivatives are per unit of

@@ -150,7 +150,12 @@ impl Dual3 {
     /// Of length 1; `None` for a vector of length 0.
     pub fn normalized(self) -> Option<Self> {
         let length = self.dot(self).sqrt();
-        (length.value > 0.0).then(|| Self(self.0.map(|c| c / length)))
+        (length.value > 0.0).then(|| self.scaled(Dual::constant(1.0) / length))
+    }
+
+    /// The vector, unless all of it is 0.
+    pub fn non_zero(self) -> Option<Self> {
+        (self.value() != DVec3::ZERO).then_some(self)
     }
 
     pub fn value(self) -> DVec3 {

@@ -239,6 +239,34 @@ impl SMap {
         }
     }
 
+    /// Lengths on a face that a unit of u and of v spans: on longitudes and latitudes along the equator and from pole to
+    /// pole, on a stereographic one at its pole. Repeating a texture in proportion to them keeps its texels square.
+    ///
+    /// # Panics
+    /// If there is no such face.
+    pub fn extent(&self, face: usize) -> Vec2 {
+        assert!(face < self.faces(), "face {face} of {}", self.faces());
+        match *self {
+            Self::Plane { width, height, .. } => Vec2::new(width, height),
+            Self::Cylinder { radius, height, .. } if face == 0 => Vec2::new(TAU * radius, height),
+            Self::Cylinder { radius, .. } => Vec2::splat(2.0 * radius),
+            Self::Sphere { radius, layout } => match layout {
+                SphereLayout::LatLong => Vec2::new(TAU, PI) * radius,
+                SphereLayout::Stereographic { edge } => {
+                    Vec2::splat(4.0 * radius * (0.5 * edge).tan())
+                }
+            },
+            Self::Box { half, layout } => {
+                let [_, (right, _), (down, _)] = FACES[face];
+                let side = Vec2::new(half[right], half[down]) * 2.0;
+                match layout {
+                    BoxLayout::EachFace => side,
+                    BoxLayout::Cross => side * Vec2::new(4.0, 3.0),
+                }
+            }
+        }
+    }
+
     fn is_valid(&self) -> bool {
         let is_size = |size: f32| size > 0.0 && size.is_finite();
         match *self {

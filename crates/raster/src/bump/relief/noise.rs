@@ -77,21 +77,29 @@ fn gradient_noise(point: Vec3, seed: u32) -> ReliefSample {
     let fade = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
     let slope = t * t * (t * (t - 2.0) + 1.0) * 30.0;
     let mut sum = ReliefSample::FLAT;
-    for i in 0..8 {
-        let step = IVec3::new(i & 1, i >> 1 & 1, i >> 2 & 1);
-        let to = step.as_vec3();
-        let weights = Vec3::ONE - to + fade * (to * 2.0 - 1.0);
-        let slopes = slope * (to * 2.0 - 1.0);
-        let gradient = corner_gradient(hash(cell.wrapping_add(step), seed));
-        let value = gradient.dot(t - to);
-        let weight = weights.element_product();
-        let d_weight = Vec3::new(
-            slopes.x * weights.y * weights.z,
-            weights.x * slopes.y * weights.z,
-            weights.x * weights.y * slopes.z,
-        );
-        sum.height += weight * value;
-        sum.gradient += gradient * weight + d_weight * value;
+    // Hashes go from axis to axis, so that corners share what they have in common.
+    let seeded = mix(SALT, seed);
+    for x in 0..2 {
+        let of_x = mix(seeded, cell.x.wrapping_add(x).cast_unsigned());
+        for y in 0..2 {
+            let of_y = mix(of_x, cell.y.wrapping_add(y).cast_unsigned());
+            for z in 0..2 {
+                let bits = mix(of_y, cell.z.wrapping_add(z).cast_unsigned());
+                let to = IVec3::new(x, y, z).as_vec3();
+                let weights = Vec3::ONE - to + fade * (to * 2.0 - 1.0);
+                let slopes = slope * (to * 2.0 - 1.0);
+                let gradient = corner_gradient(bits ^ bits >> 13);
+                let value = gradient.dot(t - to);
+                let weight = weights.element_product();
+                let d_weight = Vec3::new(
+                    slopes.x * weights.y * weights.z,
+                    weights.x * slopes.y * weights.z,
+                    weights.x * weights.y * slopes.z,
+                );
+                sum.height += weight * value;
+                sum.gradient += gradient * weight + d_weight * value;
+            }
+        }
     }
     sum
 }
@@ -108,15 +116,20 @@ fn corner_gradient(hash: u32) -> Vec3 {
     }
 }
 
-/// 32 well-mixed bits of a cell: Wang-style multiplications and shifts over its three coordinates.
+/// 32 well-mixed bits of a cell.
 fn hash(cell: IVec3, seed: u32) -> u32 {
-    let mix = |h: u32, value: u32| {
-        let h = (h ^ value).wrapping_mul(0x9e37_79b1);
-        (h ^ h >> 15).wrapping_mul(0x85eb_ca77)
-    };
     let coordinates = cell.to_array().map(i32::cast_unsigned);
-    let h = coordinates.into_iter().fold(mix(0x27d4_eb2f, seed), mix);
+    let h = coordinates.into_iter().fold(mix(SALT, seed), mix);
     h ^ h >> 13
+}
+
+/// Where hashes start.
+const SALT: u32 = 0x27d4_eb2f;
+
+/// A hash with another value in it: two multiplications by odd numbers around a shift.
+fn mix(h: u32, value: u32) -> u32 {
+    let h = (h ^ value).wrapping_mul(0x9e37_79b1);
+    (h ^ h >> 15).wrapping_mul(0x85eb_ca77)
 }
 
 /// The skin of an orange: round pits of random depth, one somewhere in each cell of space.

@@ -2,7 +2,7 @@
 
 use super::{Relief, ReliefSample, hump};
 use core::f32::consts::{PI, TAU};
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 
 /// Rings around a point, as on water.
 ///
@@ -188,14 +188,19 @@ impl GolfBall {
         Self { depth, ..self }
     }
 
-    fn center(i: u32, n: f32) -> Vec3 {
+    /// Centres of the dimples from `first` to `last` of `n`.
+    fn centers(first: u32, last: u32, n: f32) -> impl Iterator<Item = Vec3> {
+        /// Pi (3 - sqrt 5).
         const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
-        let y = 1.0 - (2.0 * i as f32 + 1.0) / n;
-        let r = (1.0 - y * y).sqrt();
-        // Of thousands of turns f32 would keep three digits.
-        let (sin, cos) = (f64::from(i) * GOLDEN_ANGLE).sin_cos();
-        let turned = glam::DVec2::new(cos, sin).as_vec2();
-        Vec3::new(r * turned.x, y, r * turned.y)
+        // In f64: of hundreds of turns f32 would keep five digits. One sine, and then turn by turn.
+        let step = DVec2::from_angle(GOLDEN_ANGLE);
+        let start = DVec2::from_angle(f64::from(first) * GOLDEN_ANGLE);
+        let directions = std::iter::successors(Some(start), move |&d| Some(step.rotate(d)));
+        (first..=last).zip(directions).map(move |(i, direction)| {
+            let y = 1.0 - (2.0 * i as f32 + 1.0) / n;
+            let around = direction.as_vec2() * (1.0 - y * y).sqrt();
+            Vec3::new(around.x, y, around.y)
+        })
     }
 }
 
@@ -220,8 +225,8 @@ impl Relief for GolfBall {
         let first = belt(direction.y + radius).floor() as u32;
         let last = belt(direction.y - radius).ceil() as u32;
         let mut sum = ReliefSample::FLAT;
-        for i in first..=last {
-            let to = (direction - Self::center(i, n)) / radius;
+        for center in Self::centers(first, last, n) {
+            let to = (direction - center) / radius;
             let (value, slope) = hump(to.length_squared());
             sum.height -= self.depth * value;
             sum.gradient -= to * (2.0 * slope * self.depth / radius);
