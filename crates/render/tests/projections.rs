@@ -51,6 +51,10 @@ fn panorama_place(direction: Vec3, width: usize) -> (f32, f32) {
     (x, (0.5 - d.y.asin() / PI) * 0.5 * width as f32)
 }
 
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "columns and rows of a small picture"
+)]
 fn bilinear(image: &Image<Rgb>, (x, y): (f32, f32)) -> Rgb {
     let (x, y) = (x - 0.5, y - 0.5);
     let at = |i: f32, j: f32| {

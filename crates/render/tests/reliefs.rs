@@ -63,6 +63,7 @@ fn solved_with(scene: Scene, elements: usize) -> Solution {
 }
 
 /// Texel of a normal, x to the right and y up in the picture.
+#[expect(clippy::cast_possible_truncation, reason = "codes of 8 bits")]
 fn texel(normal: Vec3) -> [u8; 4] {
     let n = normal.normalize();
     let code = |x: f32| ((x + 1.0) * 127.5).round() as u8;
@@ -122,7 +123,7 @@ fn slopes_that_face_the_lamp_are_brighter() {
         assert!((up[i] / down[i] - 1.0).abs() < 0.03, "{up:?} {down:?}");
     }
     let ramp = (0..64 * 4)
-        .map(|i| [((i % 64) * 4) as u8; 3])
+        .map(|i| [u8::try_from((i % 64) * 4).unwrap_or(u8::MAX); 3])
         .map(|[r, g, b]| [r, g, b, 255]);
     let ramp = Image::from_pixels(64, 4, ramp.collect()).expect("256 texels");
     // Heights grow to the right: slopes face left, away from the lamp.
