@@ -88,7 +88,7 @@ fn picture(place: &str, solution: &Solution, size: (usize, usize)) -> Image<Rgb>
         .unwrap_or_else(|| choose_camera(solution.mesh()));
     let options = RenderOptions::default()
         .with_size(size.0, size.1)
-        .with_antialias(1);
+        .with_samples(1);
     let (exposure, tone_map) = (Exposure::Auto, ToneMap::default());
     let image = render_display(solution, &camera, &options, exposure, tone_map)
         .unwrap_or_else(|error| panic!("{place}: camera '{}': {error}", camera.name));

@@ -1,17 +1,21 @@
 //! Pictures of a solution.
 
-use crate::args::{GlobalArgs, PictureArgs};
+use crate::args::{GlobalArgs, PictureArgs, ProjectionKind};
 use crate::failure::Failure;
+use crate::input::read;
 use crate::output::Target;
 use crate::progress::Bar;
 use glam::Vec3;
 use hemicube::radiosity::Solution;
+use hemicube::raster::environment::{self, EnvironmentMap};
+use hemicube::raster::image::{ReadOptions, read_picture};
 use hemicube::raster::tonemap::Exposure;
 use hemicube::raster::triangle::Viewport;
 use hemicube::raster::{Image, Rgb};
-use hemicube::render::{RenderOptions, Renderer, choose_camera};
-use hemicube::scene::{Camera, Projection, Scene};
+use hemicube::render::{Reflections, RenderOptions, Renderer, choose_camera};
+use hemicube::scene::{Camera, FisheyeMapping, Projection, Scene};
 use std::io::Cursor;
+use std::path::Path;
 
 /// Endings of pictures that can be written.
 pub const ENDINGS: &[&str] = &["png", "exr"];
@@ -23,10 +27,22 @@ const PLAIN: (u32, u32) = (960, 640);
 /// Angle of view in degrees of a camera that is made from `--eye`.
 const FOV: f32 = 60.0;
 
+/// Largest vertical angle of view in degrees of a picture on a plane.
+const MAX_FLAT_FOV: f32 = 170.0;
+
 /// What is wrong with the options, as far as the scene tells before it is solved.
 pub fn check(scene: &Scene, args: &PictureArgs) -> Result<(), Failure> {
     if let Some(name) = &args.camera {
         scene.camera(name)?;
+    }
+    reflections(args)?.check(scene)?;
+    if let Some(path) = &args.environment_file
+        && !path.is_file()
+    {
+        return Err(Failure::Failed(format!(
+            "{}: there is no such file; name a picture of the surroundings",
+            path.display()
+        )));
     }
     let (width, height) = args.size.unwrap_or(PLAIN);
     if width as usize * height as usize > RenderOptions::MAX_PIXELS {
@@ -35,8 +51,10 @@ pub fn check(scene: &Scene, args: &PictureArgs) -> Result<(), Failure> {
             "--size {width}x{height}: at most {most} pixels fit, 7680x4320 for example; make a side smaller"
         )));
     }
-    let antialias = args.antialias.unwrap_or(RenderOptions::default().antialias);
-    if width.max(height) as usize * antialias as usize > Viewport::MAX_SIDE {
+    let defaults = RenderOptions::default();
+    let antialias = args.antialias.unwrap_or(defaults.antialias);
+    let side = width.max(height) as usize;
+    if defaults.with_antialias(antialias).samples_of_side(side) > Viewport::MAX_SIDE {
         let most = Viewport::MAX_SIDE;
         return Err(Failure::Usage(format!(
             "--size {width}x{height} with --antialias {antialias}: a side may have {most} samples; make one of them smaller"
@@ -50,6 +68,7 @@ pub fn check(scene: &Scene, args: &PictureArgs) -> Result<(), Failure> {
 pub struct View<'a> {
     camera: Camera,
     options: RenderOptions,
+    surroundings: Option<EnvironmentMap>,
     args: &'a PictureArgs,
 }
 
@@ -65,27 +84,30 @@ impl<'a> View<'a> {
             height: height as usize,
             shading: args.shading.unwrap_or(defaults.shading),
             antialias: args.antialias.unwrap_or(defaults.antialias),
+            texture_filter: args.texture_filter.unwrap_or(defaults.texture_filter),
             gather_rays: args.gather_rays.unwrap_or(defaults.gather_rays),
             ..defaults
         };
+        let surroundings = args.environment_file.as_deref().map(surroundings);
         Ok(Self {
             camera,
             options,
+            surroundings: surroundings.transpose()?,
             args,
         })
     }
 
-    /// Draws and writes the picture: radiance for .exr, what a display shows for .png.
+    /// Draws and writes the picture: radiance for .exr, what a display shows for .png. Gives the number of maps that were
+    /// taken for mirroring objects.
     pub fn draw(
         &self,
         solution: &Solution,
         target: &Target,
         global: GlobalArgs,
-    ) -> Result<(), Failure> {
+    ) -> Result<usize, Failure> {
         let bar = Bar::new("drawing", global.quiet);
         let progress = |share| bar.show(share, String::new);
-        let renderer =
-            Renderer::new(solution, &self.camera, &self.options)?.with_progress(&progress);
+        let renderer = self.renderer(solution)?.with_progress(&progress);
         let mut file = Cursor::new(Vec::new());
         if target.ends_in("exr") {
             renderer.linear().write_exr(&mut file)?;
@@ -95,19 +117,29 @@ impl<'a> View<'a> {
                 .display(exposure, self.args.tonemap.unwrap_or_default())
                 .write_png(&mut file)?;
         }
-        target.write(&file.into_inner())
+        target.write(&file.into_inner())?;
+        Ok(renderer.mirror_count())
+    }
+
+    /// Everything that the options ask of a renderer.
+    fn renderer<'s>(&'s self, solution: &'s Solution) -> Result<Renderer<'s>, Failure> {
+        let mut renderer = Renderer::new(solution, &self.camera, &self.options)?;
+        if let Some(map) = &self.surroundings {
+            renderer = renderer.with_surroundings(map.clone());
+        }
+        Ok(renderer.with_reflections(&reflections(self.args)?)?)
     }
 
     /// What a display shows of a solution under a given exposure.
     pub fn display(&self, solution: &Solution, exposure: Exposure) -> Result<Image<Rgb>, Failure> {
-        let renderer = Renderer::new(solution, &self.camera, &self.options)?;
+        let renderer = self.renderer(solution)?;
         Ok(renderer.display(exposure, self.args.tonemap.unwrap_or_default()))
     }
 
     /// The exposure that was asked for; an automatic one as it is for this solution, in stops.
     pub fn exposure(&self, solution: &Solution) -> Result<Exposure, Failure> {
         let wanted = self.args.exposure.unwrap_or_default();
-        let renderer = Renderer::new(solution, &self.camera, &self.options)?;
+        let renderer = self.renderer(solution)?;
         let factor = renderer.exposure_factor(wanted);
         Ok(Exposure::Ev(factor.log2()))
     }
@@ -139,6 +171,35 @@ impl<'a> View<'a> {
     }
 }
 
+/// What is to mirror.
+fn reflections(args: &PictureArgs) -> Result<Reflections, Failure> {
+    let names = &args.environment;
+    if let [_, _, ..] = names.as_slice()
+        && names.iter().any(|name| name == "none")
+    {
+        return Err(Failure::Usage(String::from(
+            "--environment none with other names: nothing mirrors, or what is named",
+        )));
+    }
+    let metals = names.is_empty() || names.iter().any(|name| name == "metals");
+    let defaults = Reflections::default();
+    let below = args.mirror_roughness.unwrap_or(defaults.metals_below);
+    let is_name = |name: &&String| !["metals", "none"].contains(&name.as_str());
+    Ok(defaults
+        .with_metals_below(if metals { below } else { 0.0 })
+        .with_names(names.iter().filter(is_name).cloned().collect()))
+}
+
+/// The picture of the surroundings.
+fn surroundings(path: &Path) -> Result<EnvironmentMap, Failure> {
+    let refused = |why: String| Failure::Failed(format!("{}: {why}", path.display()));
+    let bytes = read(path)?;
+    let picture =
+        read_picture(&bytes, &ReadOptions::default()).map_err(|e| refused(e.to_string()))?;
+    EnvironmentMap::new(environment::Projection::LatLong, &[picture.rgb()])
+        .map_err(|e| refused(e.to_string()))
+}
+
 fn camera(solution: &Solution, args: &PictureArgs) -> Result<Camera, Failure> {
     let scene = solution.mesh().scene();
     let mut camera = if let Some(name) = &args.camera {
@@ -163,19 +224,64 @@ fn camera(solution: &Solution, args: &PictureArgs) -> Result<Camera, Failure> {
             .cloned()
             .unwrap_or_else(|| choose_camera(solution.mesh()))
     };
-    match (&mut camera.projection, args.fov) {
-        (Projection::Perspective { vertical_fov, .. }, Some(degrees)) => {
-            *vertical_fov = degrees.to_radians();
-        }
-        (Projection::Orthographic { .. }, Some(_)) => {
-            return Err(Failure::Usage(format!(
-                "--fov: camera '{}' is orthographic and has no angle of view",
-                camera.name
-            )));
-        }
-        (_, None) => {}
-    }
+    project(&mut camera, args)?;
     Ok(camera)
+}
+
+/// Gives the camera the projection and the angle of view that the options ask for.
+fn project(camera: &mut Camera, args: &PictureArgs) -> Result<(), Failure> {
+    let degrees = |default: f32| args.fov.unwrap_or(default).to_radians();
+    let fisheye = |mapping| Projection::Fisheye {
+        angle: degrees(180.0),
+        mapping,
+    };
+    match args.projection {
+        Some(ProjectionKind::Panorama) => {
+            camera.projection = Projection::Panorama;
+            level(camera);
+        }
+        Some(ProjectionKind::Fisheye) => camera.projection = fisheye(FisheyeMapping::Equidistant),
+        Some(ProjectionKind::FisheyeEquisolid) => {
+            camera.projection = fisheye(FisheyeMapping::Equisolid);
+        }
+        Some(ProjectionKind::Perspective)
+            if !matches!(camera.projection, Projection::Perspective { .. }) =>
+        {
+            let vertical_fov = degrees(FOV);
+            camera.projection = Projection::Perspective {
+                vertical_fov,
+                aspect: None,
+            };
+        }
+        Some(ProjectionKind::Perspective) | None => {}
+    }
+    let refused = |what: String| Err(Failure::Usage(format!("--fov: {what}")));
+    match (&mut camera.projection, args.fov) {
+        (Projection::Perspective { .. }, Some(given)) if given > MAX_FLAT_FOV => refused(format!(
+            "{given} degrees do not fit a flat picture; use at most {MAX_FLAT_FOV}, or --projection fisheye"
+        )),
+        (Projection::Perspective { vertical_fov, .. }, Some(given)) => {
+            *vertical_fov = given.to_radians();
+            Ok(())
+        }
+        (Projection::Orthographic { .. }, Some(_)) => refused(format!(
+            "camera '{}' is orthographic and has no angle of view",
+            camera.name
+        )),
+        (Projection::Panorama, Some(_)) => refused(String::from("a panorama shows all directions")),
+        (Projection::Fisheye { .. }, Some(_)) | (_, None) => Ok(()),
+    }
+}
+
+/// Turns a camera until it looks along the ground, so that a panorama's horizon is straight.
+fn level(camera: &mut Camera) {
+    let ahead = camera.forward.reject_from_normalized(Vec3::Y);
+    let ahead = ahead.try_normalize().or_else(|| {
+        // One that looks straight up or down has its heading at the top of its picture.
+        camera.up.reject_from_normalized(Vec3::Y).try_normalize()
+    });
+    camera.forward = ahead.unwrap_or(Vec3::NEG_Z);
+    camera.up = Vec3::Y;
 }
 
 /// A size in the camera's proportions.
@@ -186,6 +292,8 @@ fn default_size(camera: &Camera) -> (u32, u32) {
             half_width,
             half_height,
         } => Some(half_width / half_height),
+        Projection::Panorama => Some(2.0),
+        Projection::Fisheye { .. } => Some(1.0),
     };
     let Some(aspect) = aspect.filter(|a| a.is_finite() && *a > 0.0) else {
         return PLAIN;

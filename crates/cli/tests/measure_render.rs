@@ -178,3 +178,124 @@ fn unknown_camera_lists_the_known_ones_before_the_work() {
     );
     assert!(folder.files().is_empty(), "no output");
 }
+
+#[test]
+fn projections_antialiasing_and_textures_are_options() {
+    let folder = Folder::new();
+    folder.done(&small(&["solve", "cornell", "-o", "lit.glb"]));
+    let render = |name: &'static str, more: &[&'static str]| {
+        let args = ["render", "lit.glb", "-o", name];
+        folder.json(&[&args[..], more].concat())
+    };
+    let panorama = render("p.png", &["--projection", "panorama", "--antialias", "1"]);
+    assert_eq!(
+        (&panorama["width"], &panorama["height"]),
+        (&960.into(), &480.into()),
+        "twice as wide as high"
+    );
+    for projection in ["fisheye", "fisheye-equisolid"] {
+        let more = [
+            "--fov",
+            "220",
+            "--size",
+            "20x20",
+            "--antialias",
+            "2-jittered:mitchell",
+        ];
+        render(
+            "f.png",
+            &[&["--projection", projection], &more[..]].concat(),
+        );
+    }
+    for filter in ["point", "bilinear", "trilinear", "ewa"] {
+        render("t.png", &["--texture-filter", filter, "--size", "16x16"]);
+    }
+    let wide = render("w.exr", &["--size", "16x16", "--antialias", "4x4:bartlett"]);
+    assert_eq!(wide["width"], 16, "the filter does not change the size");
+}
+
+#[test]
+fn options_of_pictures_that_cannot_be_are_told() {
+    let folder = Folder::new();
+    folder.done(&small(&["solve", "cornell", "-o", "lit.glb"]));
+    for (code, word, more) in [
+        (2, "lanczos", &["--antialias", "3x3:tent"][..]),
+        (2, "32x32", &["--antialias", "33"]),
+        (2, "fisheye", &["--fov", "200"]),
+        (2, "panorama", &["--projection", "panorama", "--fov", "90"]),
+        (
+            2,
+            "none",
+            &["--environment", "none", "--environment", "metals"],
+        ),
+        (1, "chrome", &["--environment", "chrome*"]),
+        (1, "sky.hdr", &["--environment-file", "sky.hdr"]),
+        (2, "--mirror-roughness", &["--mirror-roughness", "2"]),
+    ] {
+        let args = [&["render", "lit.glb", "-o", "v.png", "--size", "8x8"], more].concat();
+        let output = folder.run(&args);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{more:?}: {error}");
+        assert!(error.contains(word), "{more:?}: {error}");
+        assert_eq!(folder.files(), ["lit.glb"], "no picture");
+    }
+}
+
+/// A textured, bumpy, metallic triangle under a sky, as glTF.
+const BUMPY: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"name":"plate","mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],
+"materials":[{"name":"chrome","doubleSided":true,"pbrMetallicRoughness":{"baseColorTexture":{"index":0},"roughnessFactor":0.1},
+"normalTexture":{"index":0,"scale":0.8}}],"textures":[{"source":0,"sampler":0}],"samplers":[{"magFilter":9728}],
+"images":[{"uri":"data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAIAAAD91JpzAAAAFklEQVR4nGNY0PAhoeEDQ8OCDw0N/wE1nQfwXUNf2AAAAABJRU5ErkJggg=="}],
+"buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,AACAvwAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAEAAAAAAAAAAAAAAgD8AAIA/AACAPwAAAD8AAAAA"}],
+"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[-1,0,0],"max":[1,2,0]},
+{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}]}"#;
+
+#[test]
+fn scene_and_its_lit_file_look_the_same() {
+    let folder = Folder::new();
+    folder.write("bumpy.gltf", BUMPY);
+    let view = ["--size", "24x24", "--antialias", "2"];
+    let sky = ["--sky", "1,2,3"];
+    folder.done(&small(&[
+        "solve",
+        "bumpy.gltf",
+        "-o",
+        "lit.glb",
+        "--sky",
+        "1,2,3",
+    ]));
+    folder.done(&[&["render", "lit.glb", "-o", "lit.png"], &view[..]].concat());
+    let args = [
+        &["render", "bumpy.gltf", "-o", "scene.png"],
+        &view[..],
+        &sky[..],
+    ]
+    .concat();
+    folder.done(&small(&args));
+    assert_eq!(
+        folder.read("lit.png"),
+        folder.read("scene.png"),
+        "the same bytes"
+    );
+    folder.done(
+        &[
+            &[
+                "render",
+                "lit.glb",
+                "-o",
+                "matt.png",
+                "--environment",
+                "none",
+            ],
+            &view[..],
+        ]
+        .concat(),
+    );
+    assert_ne!(
+        folder.read("lit.png"),
+        folder.read("matt.png"),
+        "chrome mirrors"
+    );
+}

@@ -45,6 +45,8 @@ pub struct Gatherer<'a> {
     /// Radiosity of each element.
     radiosity: Vec<Rgb>,
     emitters: Vec<Emitter>,
+    /// `π L` of the sky as dimmed.
+    sky: Rgb,
     /// Exitance of each element that is integrated through `emitters` and so left out of the rays.
     integrated: Vec<Rgb>,
 }
@@ -66,6 +68,7 @@ impl<'a> Gatherer<'a> {
             radiosity: (0..count).map(|e| solution.element_radiosity(e)).collect(),
             emitters,
             integrated,
+            sky: mesh.scene().sky * last_dim(solution) * PI,
             options: GatherOptions {
                 rays: options.rays.max(1),
                 ..options
@@ -80,23 +83,53 @@ impl<'a> Gatherer<'a> {
         let bits = |x: f32| u64::from(x.to_bits());
         let place = hash(hash(bits(point.x), bits(point.y)), bits(point.z));
         let seed = hash(place, self.options.seed);
-        self.direct(point, normal, seed) + self.reflected(point, normal, seed)
+        let origin = self.visibility.off_surface(point, normal);
+        self.direct(point, origin, normal, seed, self.options.rays)
+            + self.reflected(point, normal, seed)
     }
 
-    /// From points, sun, and the emitting patches.
-    fn direct(&self, point: Vec3, normal: Vec3, seed: u64) -> Rgb {
+    /// Irradiance at a point of a surface with the normal `flat`, for several other normals there: what a relief on it
+    /// receives. Their rays for reflected light are the same, uniform over the hemisphere of `flat`; below it lies the
+    /// surface itself, of radiosity `own`, which a normal tilted by `θ` sees with factor `(1 - cos θ) / 2`. An eighth as
+    /// many rays go to emitters, for each normal.
+    pub fn irradiance_of_normals(
+        &self,
+        point: Vec3,
+        flat: Vec3,
+        own: Rgb,
+        normals: &[Vec3],
+    ) -> Vec<Rgb> {
+        let bits = |x: f32| u64::from(x.to_bits());
+        let place = hash(hash(bits(point.x), bits(point.y)), bits(point.z));
+        let seed = hash(place, self.options.seed);
+        let origin = self.visibility.off_surface(point, flat);
+        let mut sums = vec![BandSum::default(); normals.len()];
+        for i in 0..self.options.rays {
+            let direction = hemisphere_direction(flat, point2(i, seed));
+            let arriving = self.arriving(origin, direction);
+            for (sum, normal) in sums.iter_mut().zip(normals) {
+                // Against the density 1 / 2π; irradiance sums L cos θ, and arriving light is π L.
+                sum.add(arriving * (2.0 * normal.dot(direction).max(0.0)));
+            }
+        }
+        let total = |(sum, &normal): (BandSum, &Vec3)| {
+            let below = own * (0.5 * (1.0 - normal.dot(flat)));
+            let rays = self.options.rays.div_ceil(8);
+            let direct = self.direct(point, origin, normal, seed, rays);
+            sum.mean(self.options.rays) + below + direct
+        };
+        sums.into_iter().zip(normals).map(total).collect()
+    }
+
+    /// From points, sun, and the emitting patches, to which so many rays go in all.
+    fn direct(&self, point: Vec3, origin: Vec3, normal: Vec3, seed: u64, rays: u32) -> Rgb {
         let scene = self.solution.mesh().scene();
-        let dim = self
-            .solution
-            .groups()
-            .last()
-            .map_or(Rgb::WHITE, |group| group.dim);
+        let dim = last_dim(self.solution);
         let lights: Rgb = scene
             .lights
             .iter()
             .map(|light| from_light(self.visibility, &light.kind, point, normal))
             .sum();
-        let origin = self.visibility.off_surface(point, normal);
         let mut sum = lights * dim;
         let arriving: Vec<(usize, Rgb)> = self
             .emitters
@@ -126,7 +159,7 @@ impl<'a> Gatherer<'a> {
         let mut ticks = point2(0, seed)[0];
         let (mut small, mut drawn, mut drawn_visible) = (Rgb::BLACK, Rgb::BLACK, Rgb::BLACK);
         for (i, unoccluded) in arriving {
-            let wanted = self.options.rays as f32 * unoccluded.max_band() / total;
+            let wanted = rays as f32 * unoccluded.max_band() / total;
             if wanted >= 1.0 {
                 sum += unoccluded * visible(i, ceil_count(wanted));
                 continue;
@@ -187,28 +220,42 @@ impl<'a> Gatherer<'a> {
 
     /// From everything that rays meet, less what is integrated directly.
     fn reflected(&self, point: Vec3, normal: Vec3, seed: u64) -> Rgb {
-        let mesh = self.solution.mesh();
-        let sky = mesh.scene().sky
-            * self
-                .solution
-                .groups()
-                .last()
-                .map_or(Rgb::WHITE, |group| group.dim)
-            * PI;
         let origin = self.visibility.off_surface(point, normal);
         let mut sum = BandSum::default();
         for i in 0..self.options.rays {
             let direction = cosine_direction(normal, point2(i, seed));
-            let mut arriving = Rgb::BLACK;
-            let escaped = self.visibility.follow(origin, direction, |hit, share, _| {
-                if let Some(e) = mesh.element_at(hit.face, hit.side, hit.point) {
-                    arriving += share * (self.radiosity[e] - self.integrated[e]);
-                }
-            });
-            sum.add(arriving + escaped * sky);
+            sum.add(self.arriving(origin, direction));
         }
         sum.mean(self.options.rays)
     }
+
+    /// `π L` of what a ray meets, less what is integrated directly.
+    fn arriving(&self, origin: Vec3, direction: Vec3) -> Rgb {
+        let mesh = self.solution.mesh();
+        let mut arriving = Rgb::BLACK;
+        let escaped = self.visibility.follow(origin, direction, |hit, share, _| {
+            if let Some(e) = mesh.element_at(hit.face, hit.side, hit.point) {
+                arriving += share * (self.radiosity[e] - self.integrated[e]);
+            }
+        });
+        arriving + escaped * self.sky
+    }
+}
+
+/// Direction of uniform density `1 / 2π` on the side of a unit normal.
+fn hemisphere_direction(normal: Vec3, [u, v]: [f32; 2]) -> Vec3 {
+    let (right, up) = normal.any_orthonormal_pair();
+    let radius = (1.0 - u * u).max(0.0).sqrt();
+    let (sin, cos) = (2.0 * PI * v).sin_cos();
+    normal * u + (right * cos + up * sin) * radius
+}
+
+/// What dims lights without an area and the sky: they are in the last group.
+fn last_dim(solution: &Solution) -> Rgb {
+    solution
+        .groups()
+        .last()
+        .map_or(Rgb::WHITE, |group| group.dim)
 }
 
 /// The emitting patches, the brightest ones if there are very many, and the exitance of each element that they cover.

@@ -1,114 +1,56 @@
-//! What each sample of a band of rows sees: the nearest surface, and the layers of glass before it.
+//! What each sample of a band of rows sees, found by drawing triangles: for projections that keep lines straight.
 //!
 //! Nothing is shaded while triangles are drawn: a sample keeps the number of its triangle and where in it the sample
 //! lies, so that material and light are evaluated once for what is seen in the end. Only alpha masks are looked at
 //! earlier, because holes decide what is seen.
 
 use crate::bins::Bins;
-use crate::shade::is_hole;
+use crate::sight::{Layer, Sights, SurfaceHit, sample_number};
 use crate::stage::{Cover, Stage};
+use crate::surface::is_hole;
 use core::ops::Range;
 use hemicube_raster::clip::ClipVertex;
 use hemicube_raster::triangle::{Cull, DepthBuffer, draw_triangle};
 
-/// A point of a triangle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SurfaceHit {
-    /// Index into the stage's triangles, [`Self::NOTHING`] if nothing was hit.
-    pub triangle: u32,
-    /// Barycentric weights of the second and third corner, perspective-correct.
-    pub weights: [f32; 2],
-}
-
-impl SurfaceHit {
-    const NOTHING: u32 = u32::MAX;
-
-    /// Whether there is a surface at all.
-    pub fn exists(&self) -> bool {
-        self.triangle != Self::NOTHING
-    }
-}
-
-/// A transparent surface before the nearest opaque one of a sample.
-#[derive(Debug, Clone, Copy)]
-struct Layer {
-    sample: u32,
-    depth: f32,
-    hit: SurfaceHit,
-}
-
-/// What the samples of a band see.
-#[derive(Debug)]
-pub(crate) struct Band {
-    hits: Vec<SurfaceHit>,
-    /// Sorted by sample, then from far to near.
-    layers: Vec<Layer>,
-}
-
 /// The barycentric weights of the second and third corner, at the corners.
 const CORNER_WEIGHTS: [[f32; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
 
-impl Band {
-    /// Draws one band.
-    pub fn draw(stage: &Stage<'_>, bins: &Bins, band: usize) -> Self {
-        let rows = bins.rows(band);
-        let count = rows.len() * bins.viewport.width;
-        let nothing = SurfaceHit {
-            triangle: SurfaceHit::NOTHING,
-            weights: [0.0; 2],
-        };
-        let mut depth = vec![DepthBuffer::EMPTY; count];
-        let mut hits = vec![nothing; count];
-        let mut layers = Vec::new();
-        let triangles = bins.triangles(band);
-        let of_cover = |wanted: Cover| {
-            let cover = move |t: &u32| stage.triangles[*t as usize].cover == wanted;
-            triangles.iter().copied().filter(cover)
-        };
-        for t in of_cover(Cover::Opaque) {
-            draw(stage, bins, &rows, t, &mut depth, |sample, _, hit| {
+/// Draws one band of the picture.
+pub(crate) fn draw_band(stage: &Stage<'_>, bins: &Bins, band: usize) -> Sights {
+    let rows = bins.rows(band);
+    let count = rows.len() * bins.viewport.width;
+    let mut depth = vec![DepthBuffer::EMPTY; count];
+    let mut hits = vec![SurfaceHit::EMPTY; count];
+    let mut layers = Vec::new();
+    let triangles = bins.triangles(band);
+    let of_cover = |wanted: Cover| {
+        let cover = move |t: &u32| stage.triangles[*t as usize].cover == wanted;
+        triangles.iter().copied().filter(cover)
+    };
+    for t in of_cover(Cover::Opaque) {
+        draw(stage, bins, &rows, t, &mut depth, |sample, _, hit| {
+            hits[sample] = hit;
+            true
+        });
+    }
+    for t in of_cover(Cover::Mask) {
+        draw(stage, bins, &rows, t, &mut depth, |sample, _, hit| {
+            let solid = !is_hole(stage, &hit);
+            if solid {
                 hits[sample] = hit;
-                true
-            });
-        }
-        for t in of_cover(Cover::Mask) {
-            draw(stage, bins, &rows, t, &mut depth, |sample, _, hit| {
-                let solid = !is_hole(stage, &hit);
-                if solid {
-                    hits[sample] = hit;
-                }
-                solid
-            });
-        }
-        fill_pinholes(bins.viewport.width, &mut hits, &mut depth);
-        for t in of_cover(Cover::Transparent) {
-            draw(stage, bins, &rows, t, &mut depth, |sample, depth, hit| {
-                let sample = u32::try_from(sample).expect("a band has fewer than 2^32 samples");
-                layers.push(Layer { sample, depth, hit });
-                false
-            });
-        }
-        // The sort is stable: of equal depths the first drawn stays behind.
-        layers.sort_by(|a, b| a.sample.cmp(&b.sample).then(b.depth.total_cmp(&a.depth)));
-        Self { hits, layers }
+            }
+            solid
+        });
     }
-
-    /// The nearest surface that hides what is behind, for a sample counted row by row from the band's first.
-    pub fn hit(&self, sample: usize) -> &SurfaceHit {
-        &self.hits[sample]
+    fill_pinholes(bins.viewport.width, &mut hits, &mut depth);
+    for t in of_cover(Cover::Transparent) {
+        draw(stage, bins, &rows, t, &mut depth, |sample, depth, hit| {
+            let sample = sample_number(sample);
+            layers.push(Layer { sample, depth, hit });
+            false
+        });
     }
-
-    /// The transparent surfaces before it, from far to near.
-    pub fn layers(&self, sample: usize) -> impl Iterator<Item = &SurfaceHit> {
-        let start = self
-            .layers
-            .partition_point(|l| (l.sample as usize) < sample);
-        let of_sample = move |l: &&Layer| l.sample as usize == sample;
-        self.layers[start..]
-            .iter()
-            .take_while(of_sample)
-            .map(|l| &l.hit)
-    }
+    Sights::new(hits, layers)
 }
 
 /// Gives single samples that see nothing amid samples that do what their left neighbour sees.

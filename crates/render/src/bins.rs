@@ -1,9 +1,10 @@
 //! What of a stage is seen by a camera, and in which bands of rows.
 
+use crate::grid::Grid;
 use crate::projection::{clip_from_world, distance_along_view};
 use crate::stage::Stage;
 use core::ops::Range;
-use glam::{DVec2, DVec3, Vec4};
+use glam::{DMat4, DVec2, DVec3, Vec4};
 use hemicube_raster::clip::{ClipVertex, clip_triangle};
 use hemicube_raster::triangle::Viewport;
 use hemicube_scene::Camera;
@@ -19,8 +20,8 @@ pub(crate) struct Bins {
     pub positions: Vec<Vec4>,
     /// Size of the picture in samples.
     pub viewport: Viewport,
-    /// Rows of samples in a band; the last may have fewer.
-    band_height: usize,
+    /// Rows of samples of each band; they may overlap.
+    rows: Vec<Range<usize>>,
     /// For each band the triangles that may touch it, in the order of the stage.
     bands: Vec<Vec<u32>>,
 }
@@ -35,40 +36,34 @@ struct Seen {
 }
 
 impl Bins {
-    pub fn new(stage: &Stage<'_>, camera: &Camera, viewport: Viewport, band_height: usize) -> Self {
-        let aspect = viewport.width as f64 / viewport.height as f64;
+    /// Leaves out the triangles of an instance, if one is named.
+    pub fn new(stage: &Stage<'_>, camera: &Camera, grid: &Grid, without: Option<usize>) -> Self {
+        let viewport = grid.viewport();
         let (far, diameter) = (farthest(stage, camera), diameter(stage));
         // First look with a near plane just in front of the eye: it finds what is seen and how near that comes.
         let start = (NEAREST * diameter).min(0.5 * far);
-        let first = project(stage, camera, aspect, start, far);
-        let seen = seen_triangles(stage, camera, &first, viewport);
+        let first = project(stage, camera, grid, start, far);
+        let seen = seen_triangles(stage, camera, &first, viewport, without);
         // The near plane moves up to the nearest thing in the picture: depths are resolved as finely as they can be.
         let nearest = seen.iter().map(|s| s.nearest).fold(f64::INFINITY, f64::min);
         let near = (0.99 * nearest).clamp(start, 0.9 * far);
-        let count = viewport.height.div_ceil(band_height);
-        let mut bands = vec![Vec::new(); count];
+        let mut bands = vec![Vec::new(); grid.bands()];
         for Seen { triangle, rows, .. } in seen {
-            for band in &mut bands[rows.start / band_height..rows.end.div_ceil(band_height)] {
+            for band in &mut bands[grid.bands_of(rows)] {
                 band.push(triangle);
             }
         }
         Self {
-            positions: project(stage, camera, aspect, near, far),
+            positions: project(stage, camera, grid, near, far),
             viewport,
-            band_height,
+            rows: (0..grid.bands()).map(|band| grid.rows(band)).collect(),
             bands,
         }
     }
 
-    /// Number of bands.
-    pub fn len(&self) -> usize {
-        self.bands.len()
-    }
-
     /// Rows of samples of a band.
     pub fn rows(&self, band: usize) -> Range<usize> {
-        let start = band * self.band_height;
-        start..(start + self.band_height).min(self.viewport.height)
+        self.rows[band].clone()
     }
 
     /// Triangles that may touch a band.
@@ -96,8 +91,13 @@ fn farthest(stage: &Stage<'_>, camera: &Camera) -> f64 {
     if far > 0.0 { far } else { 1.0 }
 }
 
-fn project(stage: &Stage<'_>, camera: &Camera, aspect: f64, near: f64, far: f64) -> Vec<Vec4> {
-    let clip_from_world = clip_from_world(camera, aspect, near, far);
+/// Clip-space positions of all vertices, in the clip space of the grid's viewport.
+fn project(stage: &Stage<'_>, camera: &Camera, grid: &Grid, near: f64, far: f64) -> Vec<Vec4> {
+    let aspect = grid.width as f64 / grid.height as f64;
+    let (scale, offset) = grid.clip_scale_and_offset();
+    let grid_from_clip =
+        DMat4::from_translation(offset.extend(0.0)) * DMat4::from_scale(scale.extend(1.0));
+    let clip_from_world = grid_from_clip * clip_from_world(camera, aspect, near, far);
     let positions = stage.drawn.positions.par_iter();
     let clip = |p: &glam::Vec3| (clip_from_world * p.as_dvec3().extend(1.0)).as_vec4();
     positions.map(clip).collect()
@@ -109,6 +109,7 @@ fn seen_triangles(
     camera: &Camera,
     clip: &[Vec4],
     viewport: Viewport,
+    without: Option<usize>,
 ) -> Vec<Seen> {
     let positions = &stage.drawn.positions;
     let seen = |(triangle, corners): (u32, [u32; 3])| {
@@ -134,6 +135,7 @@ fn seen_triangles(
     let numbers = 0..u32::try_from(stage.triangles.len()).expect("fewer than 2^32 triangles");
     let triangles = numbers.into_par_iter().zip(stage.triangles.par_iter());
     triangles
+        .filter(|(_, triangle)| without != Some(stage.instance_of(triangle)))
         .filter_map(|(t, triangle)| seen((t, triangle.corners)))
         .collect()
 }

@@ -1,6 +1,7 @@
 //! Why a picture could not be made.
 
-use crate::options::{MAX_ANTIALIAS, MAX_SIDE, RenderOptions};
+use crate::options::{MAX_SIDE, RenderOptions};
+use hemicube_raster::antialias::Antialiasing;
 use hemicube_raster::triangle::Viewport;
 
 /// A picture could not be made; each message is one line.
@@ -26,24 +27,26 @@ pub enum RenderError {
         /// Rows.
         height: usize,
     },
-    /// Too few or too many samples.
-    #[error("antialias {0} is not from 1 to {MAX_ANTIALIAS}")]
-    Antialias(u32),
     /// The supersampled picture is larger than the rasteriser's.
     #[error(
-        "{side} pixels with antialias {antialias}: a side has more than {max} samples; use antialias {fitting} or a smaller picture",
-        max = Viewport::MAX_SIDE,
-        fitting = Viewport::MAX_SIDE / side
+        "{side} pixels with antialias {antialias}: a side has more than {max} samples; use fewer for each pixel or a smaller picture",
+        max = Viewport::MAX_SIDE
     )]
     Samples {
         /// Pixels of the longer side.
         side: usize,
-        /// Samples in each direction of a pixel.
-        antialias: u32,
+        /// Samples of a pixel.
+        antialias: Antialiasing,
     },
     /// Gathering without rays.
     #[error("gather rays 0: a gathered picture needs at least 1, better 64")]
     GatherRays,
+    /// Maps of mirrors too small or too large.
+    #[error("maps of mirrors of {0} x {0} pixels: a side must be from 8 to 1024")]
+    Resolution(usize),
+    /// A name of what is to mirror that nothing has.
+    #[error("no material or node is called '{0}'; `hemicube info` lists the names")]
+    Mirror(String),
     /// A background that is no light.
     #[error("background {0:?} is negative or not finite")]
     Background([f32; 3]),

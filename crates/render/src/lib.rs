@@ -8,26 +8,50 @@
 //! The same solution, camera and options give the same bits on any number of threads.
 //!
 //! # Current state
-//! Surfaces are diffuse: `L = emission + reflectance × H / π` with textures evaluated at each sample, and what lets light
-//! straight through is blended sample by sample in the order of depth. There are no mirrors, no refraction, no bump maps
-//! and no environments yet. Lights without an area are not drawn. A one-sided surface seen from behind is left out, also
-//! where it is glass. Textures are filtered bilinearly only; small ones far away rely on `antialias`.
+//! Cameras are perspective, orthographic, panoramic (equirectangular) or fisheyes. The first two draw triangles; bent
+//! projections and jittered samples cast a ray for each sample, several times slower. Antialiasing is any of
+//! [`hemicube_raster::antialias`]; samples beyond the border are real ones. Textures are filtered over the exact footprint of
+//! each sample ([`TextureFilter`]), alpha masks by supersampling alone.
+//!
+//! Surfaces are diffuse: `L = emission + reflectance × H / π`, and what lets light straight through is blended sample by
+//! sample in the order of depth, without refraction. Normal and height maps turn normals; interpolated light is tilted by
+//! what is gathered around each vertex when it is first seen, up to some seconds for a model with bumps everywhere.
+//! [`Reflections`] add environment mapping: mirrors show one blurred map per object, neither themselves nor other mirrors,
+//! and planes are mirrored as if seen from their middle. [`Renderer::with_surroundings`] shows a picture behind everything,
+//! which lights nothing. Lights without an area are not drawn, nor mirrored. A one-sided surface seen from behind is left
+//! out, also where it is glass. Clear coat and occlusion maps are not read.
 #![forbid(unsafe_code)]
 
 mod auto_camera;
 mod band;
+mod behind;
 mod bins;
+mod capture;
+mod draw;
 mod error;
 mod exterior_view;
+mod filtering;
+mod footprint;
+mod grid;
 mod interior_view;
+mod lens;
 mod options;
 mod projection;
+mod reflections;
+mod relief;
 mod renderer;
 mod shade;
+mod sight;
+mod split_sum;
 mod stage;
+mod surface;
+mod tangents;
+mod tilt;
+mod trace;
 
 pub use auto_camera::choose_camera;
 pub use error::RenderError;
-pub use options::{ParseShadingError, RenderOptions, Shading};
+pub use options::{ParseShadingError, RenderOptions, Shading, TextureFilter};
 pub use projection::clip_from_world;
+pub use reflections::Reflections;
 pub use renderer::{Renderer, render, render_display, tone_mapped};

@@ -4,13 +4,17 @@ use crate::error::RenderError;
 use core::fmt;
 use core::str::FromStr;
 use hemicube_raster::Rgb;
+use hemicube_raster::antialias::{Antialiasing, Factor, Supersampler};
 use hemicube_raster::triangle::Viewport;
 
 /// Longest side of a picture in pixels.
 pub(crate) const MAX_SIDE: usize = 16_384;
 
-/// Most samples in each direction of a pixel.
-pub(crate) const MAX_ANTIALIAS: u32 = 16;
+/// Three samples in each direction of a pixel.
+const DEFAULT_FACTOR: Factor = match Factor::new(3) {
+    Some(factor) => factor,
+    None => Factor::ONE,
+};
 
 /// What a picture is made with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,8 +25,11 @@ pub struct RenderOptions {
     pub height: usize,
     /// Where the irradiance of a point comes from. Default value: Gouraud.
     pub shading: Shading,
-    /// `n` of `n × n` samples of a pixel on a regular grid, averaged (box filter); from 1 to 16. Default value: 3.
-    pub antialias: u32,
+    /// Where the samples of a pixel lie and how they are weighted. Default value: 3 x 3 on a regular grid, averaged
+    /// (`3x3`).
+    pub antialias: Antialiasing,
+    /// How textures are read from afar. Default value: EWA.
+    pub texture_filter: TextureFilter,
     /// Whether the estimate of light still to come is added to solutions that were made with it (`ambient-shooting`).
     /// Gathered pictures never add it. Default value: true.
     pub ambient: bool,
@@ -38,7 +45,8 @@ impl Default for RenderOptions {
             width: 900,
             height: 600,
             shading: Shading::default(),
-            antialias: 3,
+            antialias: Antialiasing::regular(DEFAULT_FACTOR),
+            texture_filter: TextureFilter::default(),
             ambient: true,
             gather_rays: 256,
             background: None,
@@ -64,9 +72,23 @@ impl RenderOptions {
         Self { shading, ..self }
     }
 
-    /// `antialias × antialias` samples a pixel.
-    pub fn with_antialias(self, antialias: u32) -> Self {
+    /// Another antialiasing.
+    pub fn with_antialias(self, antialias: Antialiasing) -> Self {
         Self { antialias, ..self }
+    }
+
+    /// `side × side` samples a pixel on a regular grid, averaged; a side beyond 1 to [`Factor::MAX`] counts as that bound.
+    pub fn with_samples(self, side: usize) -> Self {
+        let factor = Factor::new(side.clamp(1, Factor::MAX)).unwrap_or(Factor::ONE);
+        self.with_antialias(Antialiasing::regular(factor))
+    }
+
+    /// Another way of reading textures.
+    pub fn with_texture_filter(self, texture_filter: TextureFilter) -> Self {
+        Self {
+            texture_filter,
+            ..self
+        }
     }
 
     /// With or without the ambient estimate.
@@ -90,6 +112,12 @@ impl RenderOptions {
         }
     }
 
+    /// Samples along a side of so many pixels, with those beyond it that wide filters ask for.
+    pub fn samples_of_side(&self, side: usize) -> usize {
+        let grid = Supersampler::new(side, 1, self.antialias);
+        grid.columns().next_multiple_of(grid.factor())
+    }
+
     /// The door: everything behind it may rely on the ranges.
     pub(crate) fn check(&self) -> Result<(), RenderError> {
         let (width, height) = (self.width, self.height);
@@ -100,10 +128,7 @@ impl RenderOptions {
         if width * height > Self::MAX_PIXELS {
             return Err(RenderError::Pixels { width, height });
         }
-        if self.antialias == 0 || self.antialias > MAX_ANTIALIAS {
-            return Err(RenderError::Antialias(self.antialias));
-        }
-        if side * self.antialias as usize > Viewport::MAX_SIDE {
+        if self.samples_of_side(side) > Viewport::MAX_SIDE {
             let antialias = self.antialias;
             return Err(RenderError::Samples { side, antialias });
         }
@@ -115,6 +140,37 @@ impl RenderOptions {
                 Err(RenderError::Background(bands))
             }
             _ => Ok(()),
+        }
+    }
+}
+
+/// How textures are read that a sample sees from afar. Close up their file decides between blocks and interpolation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum TextureFilter {
+    /// One texel; shimmers and breaks up.
+    Point,
+    /// Four texels of the whole picture; right as long as samples are about as close as texels.
+    Bilinear,
+    /// Four texels each of the two mip levels around the footprint's longer side; blurs what is seen at an angle.
+    Trilinear,
+    /// All texels under the footprint's ellipse, by a Gaussian (elliptical weighted average, Heckbert 1989). On a
+    /// checkerboard seen along, with one sample a pixel, the errors of the four are 0.35, 0.11, 0.033 and 0.028 (root of mean
+    /// square); the built-in office takes 30 % more time than with trilinear.
+    #[default]
+    Ewa,
+}
+
+impl TextureFilter {
+    /// All of them, from quick to good.
+    pub const ALL: [Self; 4] = [Self::Point, Self::Bilinear, Self::Trilinear, Self::Ewa];
+
+    /// Name in options and reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Bilinear => "bilinear",
+            Self::Trilinear => "trilinear",
+            Self::Ewa => "ewa",
         }
     }
 }

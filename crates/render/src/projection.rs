@@ -1,7 +1,9 @@
 //! From the world to clip space.
 
 use crate::error::RenderError;
-use core::f32::consts::PI;
+use crate::lens::frame;
+use core::f32::consts::{PI, TAU};
+use core::f64::consts::FRAC_PI_2;
 use glam::{DMat4, DVec3, DVec4};
 use hemicube_scene::{Camera, Projection};
 
@@ -9,17 +11,15 @@ use hemicube_scene::{Camera, Projection};
 /// along the viewing direction).
 ///
 /// `aspect` is the picture's width by its height. A perspective camera keeps its vertical angle of view; an orthographic
-/// one shows all of its view volume and more on two sides where the picture has another aspect.
+/// one shows all of its view volume and more on two sides where the picture has another aspect. Panoramas and fisheyes
+/// bend lines, which no matrix does; for them this is the view of a perspective camera of 90°.
 pub fn clip_from_world(camera: &Camera, aspect: f64, near: f64, far: f64) -> DMat4 {
     clip_from_view(camera.projection, aspect, near, far) * view_from_world(camera)
 }
 
 /// View space has x to the right, y up, and looks along -z.
 fn view_from_world(camera: &Camera) -> DMat4 {
-    let forward = camera.forward.as_dvec3().normalize();
-    let up = camera.up.as_dvec3();
-    let up = (up - forward * up.dot(forward)).normalize();
-    let right = forward.cross(up);
+    let (right, up, forward) = frame(camera);
     let world_from_view = DMat4::from_cols(
         right.extend(0.0),
         up.extend(0.0),
@@ -31,17 +31,19 @@ fn view_from_world(camera: &Camera) -> DMat4 {
 
 fn clip_from_view(projection: Projection, aspect: f64, near: f64, far: f64) -> DMat4 {
     let depth = far - near;
+    // z/w = far / (far - near) (1 - near / distance)
+    let perspective = |vertical_fov: f64| {
+        let y = 1.0 / (0.5 * vertical_fov).tan();
+        DMat4::from_cols(
+            DVec4::new(y / aspect, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, y, 0.0, 0.0),
+            DVec4::new(0.0, 0.0, -far / depth, -1.0),
+            DVec4::new(0.0, 0.0, -near * far / depth, 0.0),
+        )
+    };
     match projection {
-        Projection::Perspective { vertical_fov, .. } => {
-            // z/w = far / (far - near) (1 - near / distance)
-            let y = 1.0 / (0.5 * f64::from(vertical_fov)).tan();
-            DMat4::from_cols(
-                DVec4::new(y / aspect, 0.0, 0.0, 0.0),
-                DVec4::new(0.0, y, 0.0, 0.0),
-                DVec4::new(0.0, 0.0, -far / depth, -1.0),
-                DVec4::new(0.0, 0.0, -near * far / depth, 0.0),
-            )
-        }
+        Projection::Perspective { vertical_fov, .. } => perspective(f64::from(vertical_fov)),
+        Projection::Panorama | Projection::Fisheye { .. } => perspective(FRAC_PI_2),
         Projection::Orthographic {
             half_width,
             half_height,
@@ -95,6 +97,17 @@ pub(crate) fn check_camera(camera: &Camera) -> Result<(), RenderError> {
         {
             fail("the view volume's half width or half height is not a positive length")
         }
+        Projection::Fisheye { angle, .. } if !(1e-4..=TAU).contains(&angle) => {
+            fail("the fisheye's angle of view is not between 0 and 360 degrees")
+        }
         _ => Ok(()),
     }
+}
+
+/// Whether lines stay straight, so that triangles can be drawn by their corners.
+pub(crate) fn keeps_lines(projection: Projection) -> bool {
+    matches!(
+        projection,
+        Projection::Perspective { .. } | Projection::Orthographic { .. }
+    )
 }

@@ -1,26 +1,21 @@
 //! Solution in, picture out.
 
-use crate::band::Band;
-use crate::bins::Bins;
+use crate::behind::Behind;
+use crate::capture::capture;
+use crate::draw::draw;
 use crate::error::RenderError;
+use crate::lens::Lens;
 use crate::options::{RenderOptions, Shading};
 use crate::projection::check_camera;
-use crate::shade::{PixelCache, Shader};
+use crate::reflections::{Mirrors, Reflections};
+use crate::shade::{Light, Shader};
 use crate::stage::Stage;
-use core::sync::atomic::{AtomicUsize, Ordering};
 use hemicube_radiosity::{GatherOptions, Gatherer, Solution};
+use hemicube_raster::antialias::Antialiasing;
+use hemicube_raster::environment::{EnvironmentMap, EnvironmentPyramid};
 use hemicube_raster::tonemap::{Exposure, ToneMap};
-use hemicube_raster::triangle::Viewport;
 use hemicube_raster::{Image, Rgb};
 use hemicube_scene::Camera;
-use rayon::prelude::*;
-
-/// Samples of a band, about: what a thread holds in memory at a time.
-const BAND_SAMPLES: usize = 1 << 17;
-
-/// Most rows of pixels in a band, so that there are enough bands for all threads; gathered ones take long.
-const BAND_ROWS: usize = 16;
-const GATHERED_BAND_ROWS: usize = 2;
 
 /// Longest side of the small picture from which the automatic exposure is taken.
 const METERED_SIDE: usize = 512;
@@ -70,6 +65,8 @@ pub struct Renderer<'a> {
     stage: Stage<'a>,
     camera: &'a Camera,
     options: RenderOptions,
+    surroundings: Option<EnvironmentPyramid>,
+    mirrors: Option<Mirrors>,
     progress: Option<Progress<'a>>,
 }
 
@@ -98,8 +95,43 @@ impl<'a> Renderer<'a> {
             stage: Stage::new(solution, options),
             camera,
             options: *options,
+            surroundings: None,
+            mirrors: None,
             progress: None,
         })
+    }
+
+    /// Shows a picture of the surroundings behind everything, in place of a uniform sky or background. It lights nothing.
+    /// Mirrors that are to show it must be asked for afterwards.
+    pub fn with_surroundings(self, map: EnvironmentMap) -> Self {
+        let surroundings = Some(EnvironmentPyramid::new(map));
+        Self {
+            surroundings,
+            ..self
+        }
+    }
+
+    /// Lets smooth metals and what is named mirror what is around them: takes the maps that this needs.
+    ///
+    /// # Errors
+    /// A name that nothing has, maps of an impossible size; one line.
+    pub fn with_reflections(self, reflections: &Reflections) -> Result<Self, RenderError> {
+        reflections.check(self.stage.scene())?;
+        let mirrors = capture(&self.stage, self.behind(), reflections);
+        let mirrors = Some(mirrors).filter(|mirrors| !mirrors.mirrors.is_empty());
+        Ok(Self { mirrors, ..self })
+    }
+
+    /// Number of maps that were taken for mirroring objects.
+    pub fn mirror_count(&self) -> usize {
+        self.mirrors.as_ref().map_or(0, |m| m.mirrors.len())
+    }
+
+    fn behind(&self) -> Behind<'_> {
+        match &self.surroundings {
+            Some(map) => Behind::Map(map),
+            None => Behind::Uniform(self.stage.behind),
+        }
     }
 
     /// Reports the finished share of each picture; gathered ones take long.
@@ -130,10 +162,12 @@ impl<'a> Renderer<'a> {
         let small = self
             .options
             .with_size(width, height)
-            .with_antialias(1)
-            .with_shading(Shading::Gouraud);
-        let shader = Shader::of_values(&self.stage, small.shading).with_behind(Rgb::BLACK);
-        let image = draw(&shader, self.camera, &small, |radiance| radiance, |_| {});
+            .with_antialias(Antialiasing::NONE);
+        let shader = self
+            .shader(&small, Light::Gouraud)
+            .with_behind(Behind::Uniform(Rgb::BLACK));
+        let same = |radiance| radiance;
+        let image = draw(&shader, self.camera, &small, None, same, |_| {});
         exposure.factor(image.pixels().iter().map(|c| c.luminance()))
     }
 
@@ -144,31 +178,42 @@ impl<'a> Renderer<'a> {
                 progress(share);
             }
         };
-        draw(&self.shader(), self.camera, &self.options, resolve, report)
+        let shader = self.shader(&self.options, self.light());
+        draw(&shader, self.camera, &self.options, None, resolve, report)
     }
 
-    fn shader(&self) -> Shader<'_> {
+    fn shader<'b>(&'b self, options: &RenderOptions, light: Light<'b>) -> Shader<'b> {
+        let lens = Lens::new(self.camera, options.width, options.height);
+        let spacing = 1.0 / options.antialias.factor.get() as f64;
+        Shader::new(&self.stage, light, lens, spacing)
+            .with_behind(self.behind())
+            .with_mirrors(self.mirrors.as_ref())
+    }
+
+    fn light(&self) -> Light<'_> {
         let options = &self.options;
-        if options.shading != Shading::Gather {
-            return Shader::of_values(&self.stage, options.shading);
+        match options.shading {
+            Shading::Flat => Light::Flat,
+            Shading::Gouraud => Light::Gouraud,
+            Shading::Gather => {
+                // Shadows of lights without an area have hard edges, which every sample must look for. Everything else is
+                // smooth within a pixel.
+                let shared = self.stage.scene().lights.is_empty();
+                let samples = options.antialias.factor.get().pow(2);
+                let rays = if shared {
+                    options.gather_rays
+                } else {
+                    let samples = u32::try_from(samples).expect("1024 at most");
+                    options.gather_rays.div_ceil(samples)
+                };
+                let gather = GatherOptions {
+                    rays,
+                    ..GatherOptions::default()
+                };
+                let gatherer = Gatherer::new(self.stage.solution, gather);
+                Light::Gather { gatherer, shared }
+            }
         }
-        // Shadows of lights without an area have hard edges, which every sample must look for. Everything else is
-        // smooth within a pixel.
-        let shared = self.stage.scene().lights.is_empty();
-        let rays = if shared {
-            options.gather_rays
-        } else {
-            options.gather_rays.div_ceil(options.antialias.pow(2))
-        };
-        let gather = GatherOptions {
-            rays,
-            ..GatherOptions::default()
-        };
-        Shader::gathering(
-            &self.stage,
-            Gatherer::new(self.stage.solution, gather),
-            shared,
-        )
     }
 }
 
@@ -177,51 +222,4 @@ fn metered_size(width: usize, height: usize) -> (usize, usize) {
     let longer = width.max(height).max(METERED_SIDE);
     let scaled = |side: usize| (side * METERED_SIDE / longer).max(1);
     (scaled(width), scaled(height))
-}
-
-/// Draws band by band, in parallel. The bands follow from the size alone, so the number of threads changes nothing.
-fn draw(
-    shader: &Shader<'_>,
-    camera: &Camera,
-    options: &RenderOptions,
-    resolve: impl Fn(Rgb) -> Rgb + Sync,
-    report: impl Fn(f64) + Sync,
-) -> Image<Rgb> {
-    let n = options.antialias as usize;
-    let viewport = Viewport::new(options.width * n, options.height * n);
-    let most = if options.shading == Shading::Gather {
-        GATHERED_BAND_ROWS
-    } else {
-        BAND_ROWS
-    };
-    let rows = (BAND_SAMPLES / (viewport.width * n)).clamp(1, most);
-    let bins = Bins::new(shader.stage, camera, viewport, rows * n);
-    let order = from_the_centre(n);
-    let mut pixels = vec![Rgb::BLACK; options.width * options.height];
-    let done = AtomicUsize::new(0);
-    let bands = pixels.par_chunks_mut(options.width * rows).enumerate();
-    bands.for_each(|(number, pixels)| {
-        let band = Band::draw(shader.stage, &bins, number);
-        pixels.par_iter_mut().enumerate().for_each(|(i, pixel)| {
-            let (x, y) = (i % options.width, i / options.width);
-            let mut cache = PixelCache::default();
-            let samples = order.iter().map(|&(column, row)| {
-                let sample = (y * n + row) * viewport.width + x * n + column;
-                resolve(shader.radiance(&band, sample, &mut cache))
-            });
-            *pixel = samples.sum::<Rgb>() / (n * n) as f32;
-        });
-        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-        report(count as f64 / bins.len() as f64);
-    });
-    Image::from_pixels(options.width, options.height, pixels).expect("one colour for each pixel")
-}
-
-/// Columns and rows of a pixel's samples, the central ones first: points that are gathered for others stand for the
-/// pixel's middle.
-fn from_the_centre(n: usize) -> Vec<(usize, usize)> {
-    let mut order: Vec<(usize, usize)> = (0..n * n).map(|i| (i % n, i / n)).collect();
-    let off = |k: usize| (2 * k + 1).abs_diff(n).pow(2);
-    order.sort_by_key(|&(column, row)| off(column) + off(row));
-    order
 }

@@ -53,7 +53,7 @@ fn supersampling_averages_the_finer_picture() {
     let camera = &solution.mesh().scene().cameras[0];
     let fine = plain(1).with_size(3 * 40, 3 * 30);
     let fine = render(&solution, camera, &fine).expect("valid options");
-    let coarse = plain(1).with_size(40, 30).with_antialias(3);
+    let coarse = plain(1).with_size(40, 30).with_samples(3);
     let coarse = render(&solution, camera, &coarse).expect("valid options");
     for y in 0..30 {
         for x in 0..40 {
@@ -91,9 +91,7 @@ fn impossible_pictures_are_refused_in_one_line() {
     let errors = [
         with(plain.with_size(0, 8)),
         with(plain.with_size(8, 16_385)),
-        with(plain.with_antialias(0)),
-        with(plain.with_antialias(17)),
-        with(plain.with_size(16_384, 8).with_antialias(5)),
+        with(plain.with_size(16_384, 8).with_samples(5)),
         with(plain.with_shading(Shading::Gather).with_gather_rays(0)),
         with(plain.with_background(Rgb::splat(f32::NAN))),
         with(plain.with_background(Rgb::splat(-1.0))),

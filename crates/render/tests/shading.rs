@@ -39,7 +39,7 @@ fn furnace_is_uniform_in_every_shading() {
     for shading in Shading::ALL {
         let options = plain(12)
             .with_shading(shading)
-            .with_antialias(2)
+            .with_samples(2)
             .with_gather_rays(16);
         // B = E / (1 - rho) = 2, and a closed room shows it everywhere.
         for pixel in picture(&solution, &camera, &options).pixels() {

@@ -104,7 +104,7 @@ fn layers_are_blended_from_far_to_near() {
     let through_glass = floor * Rgb::new(0.5, 0.25, 1.0);
     let through_blue = blue * 0.25 + through_glass * 0.75;
     let expected = red * 0.5 + through_blue * 0.5;
-    for pixel in picture(&solution, &from_above(), &plain(8).with_antialias(2)).pixels() {
+    for pixel in picture(&solution, &from_above(), &plain(8).with_samples(2)).pixels() {
         assert_close(*pixel, expected, 1e-6, "blended");
     }
 }
@@ -114,7 +114,7 @@ fn samples_are_averaged_over_the_pixel() {
     // The lamp covers three quarters of the third pixel of four.
     let scene = scene_of(&[(glowing(Rgb::splat(1.0)), rectangle(-1.0, 0.375, 0.0))]);
     let solution = lit(scene, 1.0, |_| Rgb::BLACK);
-    let image = picture(&solution, &from_above(), &plain(4).with_antialias(4));
+    let image = picture(&solution, &from_above(), &plain(4).with_samples(4));
     let row: Vec<f32> = (0..4).map(|x| image.pixel(x, 1).r).collect();
     assert_eq!(row, [1.0, 1.0, 0.75, 0.0], "coverage");
 }
@@ -124,7 +124,7 @@ fn edges_of_lamps_are_smooth_on_a_display() {
     let lamp = (glowing(Rgb::splat(1000.0)), rectangle(-1.0, 0.25, 0.0));
     let wall = (glowing(Rgb::splat(0.05)), square(-1.0));
     let solution = lit(scene_of(&[lamp, wall]), 1.0, |_| Rgb::BLACK);
-    let (camera, options) = (from_above(), plain(4).with_antialias(4));
+    let (camera, options) = (from_above(), plain(4).with_samples(4));
     let (exposure, tone_map) = (Exposure::Ev(0.0), ToneMap::Reinhard);
     let display = render_display(&solution, &camera, &options, exposure, tone_map);
     let display = display.expect("valid options");

@@ -35,6 +35,26 @@ pub enum Projection {
         /// Half its height.
         half_height: f32,
     },
+    /// All directions on an equirectangular picture of 360° by 180°: columns are longitudes, `forward` in the middle and
+    /// growing to the right; rows are latitudes, `up` at the top.
+    Panorama,
+    /// Directions on a disc that touches the picture's shorter sides, by their angle from `forward`.
+    Fisheye {
+        /// Full angle of view across the disc in radians, at most a full turn.
+        angle: f32,
+        /// How angles become radii.
+        mapping: FisheyeMapping,
+    },
+}
+
+/// How a fisheye's angles `θ` from the axis become radii, for a disc of radius 1 at `θ = α / 2`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+pub enum FisheyeMapping {
+    /// `r = 2 θ / α`.
+    #[default]
+    Equidistant,
+    /// `r = sin(θ/2) / sin(α/4)`: equal solid angles have equal areas.
+    Equisolid,
 }
 
 impl Camera {

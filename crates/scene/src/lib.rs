@@ -6,7 +6,8 @@
 //!
 //! # Current state
 //! glTF 2.0, OBJ, STL and View3D's `.vs3` come in; see [`gltf`], [`obj`], [`stl`] and [`vs3`] for what of them is read. Skins, morph targets and animations
-//! are not: a mesh is taken in its rest pose, which the import report says.
+//! are not: a mesh is taken in its rest pose, which the import report says. Roughness, reliefs (normal and height maps) and
+//! tangents are read for pictures; clear coat, occlusion and other layers are not.
 #![forbid(unsafe_code)]
 
 pub mod builtin;
@@ -26,14 +27,14 @@ pub mod surface;
 pub mod texture;
 pub mod vs3;
 
-pub use camera::{Camera, Projection};
+pub use camera::{Camera, FisheyeMapping, Projection};
 pub use error::SceneError;
 pub use light::{Light, LightKind};
-pub use material::{AlphaMode, Material, TextureSlot};
+pub use material::{AlphaMode, Material, Relief, ReliefKind, TextureSlot};
 pub use mesh::{Face, Instance, Mesh};
 pub use open::{open, open_bytes, open_path};
 pub use options::{MetalsAs, SceneOptions};
 pub use report::{ImportReport, Warning};
 pub use scene::{Mask, Scene, Units, ViewFactorRequest};
 pub use surface::SurfaceSample;
-pub use texture::{Texture, TextureImage, Wrap};
+pub use texture::{Magnify, Minify, Texture, TextureImage, TextureUse, Wrap};

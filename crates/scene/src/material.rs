@@ -1,4 +1,5 @@
-//! Materials as radiosity sees them: diffuse reflectance, emission, what passes straight through.
+//! Materials as radiosity sees them (diffuse reflectance, emission, what passes straight through), and what only
+//! pictures use: roughness and relief.
 
 use glam::{Affine2, Vec2};
 use hemicube_raster::Rgb;
@@ -21,6 +22,10 @@ pub struct Material {
     pub metallic_texture: Option<TextureSlot>,
     /// Perceptual roughness in [0, 1]; kept for pictures, the diffuse solution does not use it.
     pub roughness: f32,
+    /// Multiplies `roughness` by its green channel (linear).
+    pub roughness_texture: Option<TextureSlot>,
+    /// Turns the normals of pictures; the diffuse solution does not use it.
+    pub relief: Option<Relief>,
     /// Emitted radiance L: cd/m² (photometric) or W/(m² sr) (radiometric). Exitance is π L.
     pub emission: Rgb,
     /// Multiplies `emission` (rgb, sRGB-encoded).
@@ -54,6 +59,30 @@ pub enum AlphaMode {
     Blend,
 }
 
+/// A texture that makes a flat surface look uneven (Blinn 1978): it turns normals and moves nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Relief {
+    /// The picture, not colour-encoded.
+    pub slot: TextureSlot,
+    /// What its channels mean.
+    pub kind: ReliefKind,
+}
+
+/// What the channels of a [`Relief`] mean.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum ReliefKind {
+    /// A unit normal `2 rgb - 1` in tangent space: x along the tangent, y upwards in the picture, z off the surface.
+    Normal {
+        /// Factor on x and y.
+        scale: f32,
+    },
+    /// A height, the mean of red, green and blue.
+    Height {
+        /// How far white lies above black, as a share of the picture's extent on the surface.
+        depth: f32,
+    },
+}
+
 /// A texture as a material uses it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TextureSlot {
@@ -75,6 +104,11 @@ impl TextureSlot {
         }
     }
 
+    /// The mesh's coordinates of the set that it uses; 0 where the mesh lacks it.
+    pub fn texcoord(&self, sets: &[Vec2]) -> Vec2 {
+        sets.get(self.texcoord_set).copied().unwrap_or(Vec2::ZERO)
+    }
+
     /// The texture's coordinates for the mesh's.
     pub fn coordinates(&self, texcoord: Vec2) -> Vec2 {
         self.transform.transform_point2(texcoord)
@@ -91,6 +125,8 @@ impl Default for Material {
             metallic: 0.0,
             metallic_texture: None,
             roughness: 1.0,
+            roughness_texture: None,
+            relief: None,
             emission: Rgb::BLACK,
             emission_texture: None,
             transmission: 0.0,
@@ -127,6 +163,20 @@ impl Material {
             emission: radiance,
             ..self
         }
+    }
+
+    /// Every texture it uses.
+    pub fn slots(&self) -> impl Iterator<Item = TextureSlot> + use<> {
+        let relief = self.relief.map(|relief| relief.slot);
+        let slots = [
+            self.base_color_texture,
+            self.metallic_texture,
+            self.roughness_texture,
+            self.emission_texture,
+            self.transmission_texture,
+            relief,
+        ];
+        slots.into_iter().flatten()
     }
 
     /// Whether any part of a surface of this material may let light through (holes, glass).

@@ -14,6 +14,9 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Vertex normals of unit length; empty if the file has none. They shade, they do not decide sides.
     pub normals: Vec<Vec3>,
+    /// Vertex tangents from the file, along +u of the relief's texture coordinates (xyz, unit length), and the sign of
+    /// the bitangent `w N × T`, which points upwards in the picture; empty if the file has none.
+    pub tangents: Vec<Vec4>,
     /// Sets of texture coordinates, origin in the upper left corner of the picture, +v down (as in glTF); each set is
     /// as long as `positions`.
     pub texcoords: Vec<Vec<Vec2>>,

@@ -230,15 +230,8 @@ impl Scene {
             )));
         }
         check_light(material.emission, || format!("material '{name}': emission"))?;
-        let slots = [
-            material.base_color_texture,
-            material.metallic_texture,
-            material.emission_texture,
-            material.transmission_texture,
-        ];
-        match slots
-            .iter()
-            .flatten()
+        match material
+            .slots()
             .find(|slot| slot.texture >= self.textures.len())
         {
             Some(slot) => {
@@ -264,6 +257,7 @@ impl Scene {
         }
         let optional = |length: usize| length == 0 || length == count;
         if !optional(mesh.normals.len())
+            || !optional(mesh.tangents.len())
             || !optional(mesh.colors.len())
             || mesh.texcoords.iter().any(|t| t.len() != count)
         {

@@ -1,6 +1,6 @@
 //! What a point of a surface does with light.
 
-use crate::{AlphaMode, Material, MetalsAs, Scene, TextureSlot};
+use crate::{AlphaMode, MetalsAs, Scene, TextureSlot};
 use glam::{Vec2, Vec4};
 use hemicube_raster::Rgb;
 
@@ -13,6 +13,8 @@ pub struct SurfaceSample {
     pub emission: Rgb,
     /// Share of light that passes straight through.
     pub transmittance: Rgb,
+    /// Share of the point that is covered at all (1 unless alpha blends); the rest of the light passes untouched.
+    pub coverage: f32,
     /// Whether a band of the reflectance was lowered to [`Scene::max_reflectance`].
     pub clamped: bool,
 }
@@ -23,6 +25,7 @@ impl SurfaceSample {
         reflectance: Rgb::BLACK,
         emission: Rgb::BLACK,
         transmittance: Rgb::WHITE,
+        coverage: 0.0,
         clamped: false,
     };
 }
@@ -42,8 +45,24 @@ impl Scene {
     ///
     /// A hole of an alpha mask transmits everything and does nothing else. Panics if there is no such material.
     pub fn surface_at(&self, material: usize, texcoords: &[Vec2], color: Vec4) -> SurfaceSample {
+        self.surface_with(material, color, |slot, srgb| {
+            let texture = &self.textures[slot.texture];
+            let at = slot.coordinates(slot.texcoord(texcoords));
+            self.images[texture.image].sample(at, texture.wrap, srgb)
+        })
+    }
+
+    /// [`surface_at`](Self::surface_at) with the caller's way of reading textures: `texel` gives a slot's factors at the
+    /// point, decoded from sRGB where it is told so.
+    pub fn surface_with(
+        &self,
+        material: usize,
+        color: Vec4,
+        texel: impl Fn(TextureSlot, bool) -> [f32; 4],
+    ) -> SurfaceSample {
         let material = &self.materials[material];
-        let base = self.texel(material.base_color_texture, texcoords, true);
+        let texel = |slot: Option<TextureSlot>, srgb| slot.map_or([1.0; 4], |s| texel(s, srgb));
+        let base = texel(material.base_color_texture, true);
         let coverage = match material.alpha_mode {
             AlphaMode::Opaque => 1.0,
             mode => {
@@ -63,8 +82,17 @@ impl Scene {
         .map(|band| band.clamp(0.0, 1.0));
         let lowered = tint.map(|band| band.min(self.max_reflectance));
 
-        let metallic = self.metallic_at(material, texcoords);
-        let transmission = self.transmission_at(material, texcoords) * (1.0 - metallic);
+        // Read only where it matters.
+        let metallic = if self.metals == MetalsAs::Black || material.transmission > 0.0 {
+            factor(material.metallic, || {
+                texel(material.metallic_texture, false)[2]
+            })
+        } else {
+            0.0
+        };
+        let transmission = factor(material.transmission, || {
+            texel(material.transmission_texture, false)[0]
+        }) * (1.0 - metallic);
         let diffuse = match self.metals {
             MetalsAs::Diffuse => 1.0 - transmission,
             MetalsAs::Black => 1.0 - metallic - transmission,
@@ -74,50 +102,28 @@ impl Scene {
         } else {
             Rgb::BLACK
         };
+        let emission = match material.emission_texture {
+            Some(_) if material.emits() => {
+                let [r, g, b, _] = texel(material.emission_texture, true);
+                material.emission * Rgb::new(r, g, b)
+            }
+            _ => material.emission,
+        };
         SurfaceSample {
             reflectance: lowered * (coverage * diffuse),
-            emission: self.emission_at(material, texcoords) * coverage,
+            emission: emission * coverage,
             transmittance: passing,
+            coverage,
             clamped: diffuse > 0.0 && lowered != tint,
         }
     }
+}
 
-    /// Metallic share, read only where it matters.
-    fn metallic_at(&self, material: &Material, texcoords: &[Vec2]) -> f32 {
-        let matters = self.metals == MetalsAs::Black || material.transmission > 0.0;
-        if !matters || material.metallic <= 0.0 {
-            return 0.0;
-        }
-        let texel = self.texel(material.metallic_texture, texcoords, false);
-        (material.metallic * texel[2]).clamp(0.0, 1.0)
-    }
-
-    fn transmission_at(&self, material: &Material, texcoords: &[Vec2]) -> f32 {
-        if material.transmission <= 0.0 {
-            return 0.0;
-        }
-        let texel = self.texel(material.transmission_texture, texcoords, false);
-        (material.transmission * texel[0]).clamp(0.0, 1.0)
-    }
-
-    fn emission_at(&self, material: &Material, texcoords: &[Vec2]) -> Rgb {
-        if material.emission_texture.is_none() || !material.emits() {
-            return material.emission;
-        }
-        let texel = self.texel(material.emission_texture, texcoords, true);
-        material.emission * Rgb::new(texel[0], texel[1], texel[2])
-    }
-
-    /// The texture's factors at a point; all 1 without a texture.
-    fn texel(&self, slot: Option<TextureSlot>, texcoords: &[Vec2], srgb: bool) -> [f32; 4] {
-        let Some(slot) = slot else {
-            return [1.0; 4];
-        };
-        let texture = &self.textures[slot.texture];
-        let texcoord = texcoords
-            .get(slot.texcoord_set)
-            .copied()
-            .unwrap_or(Vec2::ZERO);
-        self.images[texture.image].sample(slot.coordinates(texcoord), texture.wrap, srgb)
+/// A factor of the material times its texture's, which is not read for nothing.
+fn factor(factor: f32, texel: impl FnOnce() -> f32) -> f32 {
+    if factor > 0.0 {
+        (factor * texel()).clamp(0.0, 1.0)
+    } else {
+        0.0
     }
 }

@@ -1,11 +1,11 @@
 //! Pictures on surfaces.
 
 use glam::Vec2;
-use hemicube_raster::Image;
 use hemicube_raster::color::linear_from_srgb8_table;
+use hemicube_raster::{Image, texture};
 use serde::{Deserialize, Serialize};
 use std::io::Cursor;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Largest side and largest decoded size that a texture may have; a larger one is refused before it is decoded.
 const MAX_SIDE: u32 = 16_384;
@@ -23,6 +23,50 @@ pub enum Wrap {
     ClampToEdge,
 }
 
+impl From<Wrap> for texture::Wrap {
+    fn from(wrap: Wrap) -> Self {
+        match wrap {
+            Wrap::Repeat => Self::Repeat,
+            Wrap::MirroredRepeat => Self::MirroredRepeat,
+            Wrap::ClampToEdge => Self::ClampToEdge,
+        }
+    }
+}
+
+/// What the numbers of a picture stand for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum TextureUse {
+    /// Colours in sRGB; alpha means nothing.
+    Color,
+    /// Colours in sRGB, and how much of the texel they cover: they are averaged with that weight, and samples are
+    /// premultiplied.
+    ColorAndAlpha,
+    /// Four numbers as they are.
+    Data,
+}
+
+/// What the file asks for where a texel covers more than a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Magnify {
+    /// The texel that is nearest.
+    Nearest,
+    /// Interpolated between four.
+    #[default]
+    Linear,
+}
+
+/// What the file asks for where a sample covers more than a texel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Minify {
+    /// The nearest texel of the whole picture.
+    Nearest,
+    /// Four texels of the whole picture.
+    Linear,
+    /// Any way of averaging; files that say nothing, or name a kind of mipmap, mean this.
+    #[default]
+    Mipmap,
+}
+
 /// A picture with a rule for its borders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Texture {
@@ -30,11 +74,28 @@ pub struct Texture {
     pub image: usize,
     /// Rules along u and v.
     pub wrap: [Wrap; 2],
+    /// What the file asks for close up.
+    pub magnify: Magnify,
+    /// And from afar.
+    pub minify: Minify,
 }
 
-/// A PNG or JPEG file and its pixels.
+impl Texture {
+    /// A picture with the usual filters.
+    pub fn new(image: usize, wrap: [Wrap; 2]) -> Self {
+        Self {
+            image,
+            wrap,
+            magnify: Magnify::default(),
+            minify: Minify::default(),
+        }
+    }
+}
+
+/// A PNG, JPEG or WebP file and its pixels.
 ///
-/// The file's bytes are kept so that an export hands on exactly what came in.
+/// The file's bytes are kept so that an export hands on exactly what came in; of WebP, which glTF does not know without
+/// an extension, the pixels as PNG.
 #[derive(Debug, Clone)]
 pub struct TextureImage {
     /// Name from the scene file.
@@ -42,10 +103,12 @@ pub struct TextureImage {
     encoded: Arc<[u8]>,
     media_type: &'static str,
     pixels: Arc<Image<[u8; 4]>>,
+    /// Mip chains by wraps and use, each made at its first use and shared by all clones.
+    chains: Arc<[OnceLock<texture::Texture>; 27]>,
 }
 
 impl TextureImage {
-    /// Decodes a PNG or JPEG file; the error says in words why it cannot be used.
+    /// Decodes a PNG, JPEG or WebP file; the error says in words why it cannot be used.
     pub fn decode(name: impl Into<String>, encoded: impl Into<Arc<[u8]>>) -> Result<Self, String> {
         let encoded = encoded.into();
         let mut reader = image::ImageReader::new(Cursor::new(&encoded))
@@ -54,7 +117,8 @@ impl TextureImage {
         let media_type = match reader.format() {
             Some(image::ImageFormat::Png) => "image/png",
             Some(image::ImageFormat::Jpeg) => "image/jpeg",
-            _ => return Err(String::from("it is neither PNG nor JPEG")),
+            Some(image::ImageFormat::WebP) => "image/webp",
+            _ => return Err(String::from("it is neither PNG, JPEG nor WebP")),
         };
         let mut limits = image::Limits::default();
         limits.max_image_width = Some(MAX_SIDE);
@@ -70,11 +134,15 @@ impl TextureImage {
             .collect();
         let pixels =
             Image::from_pixels(width, height, pixels).ok_or("its size does not fit its pixels")?;
+        if media_type == "image/webp" {
+            return Ok(Self::from_pixels(name, pixels));
+        }
         Ok(Self {
             name: name.into(),
             encoded,
             media_type,
             pixels: Arc::new(pixels),
+            chains: Arc::default(),
         })
     }
 
@@ -98,6 +166,7 @@ impl TextureImage {
             encoded: encoded.into(),
             media_type: "image/png",
             pixels: Arc::new(pixels),
+            chains: Arc::default(),
         }
     }
 
@@ -114,6 +183,23 @@ impl TextureImage {
     /// The decoded pixels, red, green, blue, alpha as stored (colour sRGB-encoded where the material says so).
     pub fn pixels(&self) -> &Image<[u8; 4]> {
         &self.pixels
+    }
+
+    /// The picture and its smaller copies, made in linear light at the first call for these wraps and this use.
+    pub fn chain(&self, wrap: [Wrap; 2], usage: TextureUse) -> &texture::Texture {
+        let number = (wrap[0] as usize * 3 + wrap[1] as usize) * 3 + usage as usize;
+        self.chains[number].get_or_init(|| {
+            let (alpha, encoding) = match usage {
+                TextureUse::Color => (texture::Alpha::Independent, texture::Encoding::Srgb),
+                TextureUse::ColorAndAlpha => (texture::Alpha::Coverage, texture::Encoding::Srgb),
+                TextureUse::Data => (texture::Alpha::Independent, texture::Encoding::Linear),
+            };
+            let options = texture::TextureOptions::default()
+                .with_wrap(wrap.map(texture::Wrap::from))
+                .with_alpha(alpha);
+            texture::Texture::from_rgba8(&self.pixels, encoding, &options)
+                .expect("decoded pictures have texels and bounded sides")
+        })
     }
 
     /// Bilinear sample at texture coordinates, filtered in linear light; colour is decoded from sRGB if `srgb`.

@@ -2,7 +2,10 @@
 
 use base64::Engine as _;
 use glam::{Vec2, Vec3};
-use hemicube_scene::{AlphaMode, Face, LightKind, Projection, Scene, SceneError, Wrap, open_bytes};
+use hemicube_scene::{
+    AlphaMode, Face, LightKind, Magnify, Minify, Projection, ReliefKind, Scene, SceneError,
+    TextureUse, Wrap, open_bytes,
+};
 use serde_json::{Value, json};
 
 /// A document under construction: one buffer, views and accessors are appended.
@@ -836,11 +839,52 @@ fn the_worked_example_of_the_texture_transform_specification() {
 }
 
 #[test]
+fn what_only_pictures_use_is_read() {
+    let mut builder = with_texture(json!({}));
+    let material = &mut builder.json["materials"][0];
+    material["normalTexture"] = json!({"index": 0, "scale": 0.5, "texCoord": 0});
+    material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = json!({"index": 0});
+    builder.json["samplers"][0]["magFilter"] = json!(9728);
+    builder.json["samplers"][0]["minFilter"] = json!(9729);
+    let scene = builder.scene();
+    let material = &scene.materials[0];
+    let relief = material.relief.expect("the normal map is used");
+    assert_eq!(relief.kind, ReliefKind::Normal { scale: 0.5 }, "its scale");
+    assert!(material.roughness_texture.is_some(), "roughness");
+    assert_eq!(
+        material.roughness_texture, material.metallic_texture,
+        "one picture"
+    );
+    assert_eq!(material.slots().count(), 4, "all slots");
+    let texture = scene.textures[relief.slot.texture];
+    assert_eq!(
+        (texture.magnify, texture.minify),
+        (Magnify::Nearest, Minify::Linear),
+        "filters of the sampler"
+    );
+}
+
+#[test]
+fn mip_chains_are_made_once_and_shared() {
+    let scene = with_texture(json!({})).scene();
+    let image = &scene.images[0];
+    let wrap = [Wrap::Repeat; 2];
+    let chain: *const _ = image.chain(wrap, TextureUse::Color);
+    assert_eq!(
+        chain,
+        image.clone().chain(wrap, TextureUse::Color),
+        "the clone has the same"
+    );
+    let data: *const _ = image.chain(wrap, TextureUse::Data);
+    assert_ne!(chain, data, "another use is another chain");
+}
+
+#[test]
 fn a_picture_that_cannot_be_used_costs_its_slot() {
     for (image, part) in [
         (
             json!({"uri": "data:image/png;base64,AAAA"}),
-            "neither PNG nor JPEG",
+            "neither PNG, JPEG nor WebP",
         ),
         (json!({"uri": "data:image/png;base64,%%"}), "not base64"),
         (json!({"uri": "missing.png"}), "no folder is known"),

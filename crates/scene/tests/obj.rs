@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use hemicube_raster::Image;
-use hemicube_scene::{AlphaMode, Face, Scene, TextureImage, open, open_bytes};
+use hemicube_scene::{AlphaMode, Face, ReliefKind, Scene, TextureImage, open, open_bytes};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -462,4 +462,59 @@ fn many_faces_in_many_groups_need_no_quadratic_time() {
     let scene = scene(&text);
     assert_eq!(scene.meshes.len(), SIDE * SIDE, "a mesh for each group");
     println!("{} groups in {:?}", scene.meshes.len(), start.elapsed());
+}
+
+#[test]
+fn reliefs_roughness_and_webp_are_read() {
+    let webp = {
+        let mut file = Vec::new();
+        let encoder = image::codecs::webp::WebPEncoder::new_lossless(&mut file);
+        let pixel = [10, 200, 30, 255];
+        encoder
+            .encode(&pixel, 1, 1, image::ExtendedColorType::Rgba8)
+            .expect("encoding into memory");
+        file
+    };
+    let (normals, heights) = (png([128, 128, 255, 255]), png([90, 90, 90, 255]));
+    let mtl = b"newmtl a\nmap_Bump -bm 0.5 heights.png\nmap_Pr rough.webp\nnewmtl b\nbump normals.png\nmap_Pm heights.png\n\
+newmtl c\nnorm -bm 2 normals.png\nPr 0.25\nmap_Kd missing.png\n";
+    let obj = b"mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\nusemtl b\n\
+f 1/1 2/2 3/3\nusemtl c\nf 1/1 2/2 3/3\n";
+    let folder = Folder::new(
+        "relief",
+        &[
+            ("o.obj", obj),
+            ("m.mtl", mtl),
+            ("rough.webp", &webp),
+            ("normals.png", &normals),
+            ("heights.png", &heights),
+        ],
+    );
+    let scene = folder.open("o.obj");
+    let [a, b, c] = ["a", "b", "c"].map(|name| {
+        let found = scene.materials.iter().find(|m| m.name == name);
+        found.expect("a material that is used")
+    });
+    let kind = |m: &hemicube_scene::Material| m.relief.expect("a relief").kind;
+    assert_eq!(
+        kind(a),
+        ReliefKind::Height { depth: 0.005 },
+        "half of the default"
+    );
+    assert_eq!(
+        kind(b),
+        ReliefKind::Normal { scale: 1.0 },
+        "its colours tell"
+    );
+    assert_eq!(kind(c), ReliefKind::Normal { scale: 2.0 }, "norm");
+    assert_eq!(
+        (a.roughness, b.metallic, c.roughness),
+        (1.0, 1.0, 0.25),
+        "factors"
+    );
+    let rough = a.roughness_texture.expect("a map");
+    let image = &scene.images[scene.textures[rough.texture].image];
+    assert_eq!(image.pixels().pixel(0, 0)[1], 200, "WebP");
+    assert_eq!(image.media_type(), "image/png", "kept as what glTF knows");
+    assert!(TextureImage::decode("again", image.encoded().to_vec()).is_ok());
 }

@@ -92,10 +92,7 @@ fn reflectance_replaces_texture_metal_and_vertex_colour() {
         "black",
         Image::filled(1, 1, [0, 0, 0, 255]),
     ));
-    scene.textures.push(Texture {
-        image: 0,
-        wrap: [Wrap::Repeat; 2],
-    });
+    scene.textures.push(Texture::new(0, [Wrap::Repeat; 2]));
     scene.materials[0].base_color_texture = Some(TextureSlot::new(0));
     let wanted = Rgb::new(0.2, 0.3, 0.4);
     scene
@@ -445,10 +442,7 @@ fn sample(material: Material, texel: [u8; 4], metals: MetalsAs) -> hemicube_scen
         "texel",
         Image::filled(1, 1, texel),
     ));
-    scene.textures.push(Texture {
-        image: 0,
-        wrap: [Wrap::Repeat; 2],
-    });
+    scene.textures.push(Texture::new(0, [Wrap::Repeat; 2]));
     scene.surface_at(0, &[Vec2::splat(0.3)], Vec4::new(0.5, 1.0, 1.0, 1.0))
 }
 

@@ -3,6 +3,7 @@
 use super::{SceneArgs, SolveArgs, parse};
 use clap::{Args, Subcommand};
 use glam::Vec3;
+use hemicube::raster::antialias::Antialiasing;
 use hemicube::raster::environment::{Layout, Projection};
 use hemicube::raster::tonemap::{Exposure, ToneMap};
 use hemicube::render::Shading;
@@ -129,9 +130,13 @@ pub struct CaptureTask {
     /// One colour an element, smooth, or light gathered at each pixel (slow, sharp shadows) [default: gouraud]
     #[arg(long, value_parser = parse::choice(&Shading::ALL, Shading::name))]
     pub shading: Option<Shading>,
-    /// N x N samples for each pixel [default: 3]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=16))]
-    pub antialias: Option<u32>,
+    /// Samples of each pixel, their pattern and filter, as in 4x4:bartlett or 4-jittered:mitchell [default: 3x3]
+    #[arg(
+        long,
+        value_name = "NxN[-jittered][:FILTER]",
+        allow_hyphen_values = true
+    )]
+    pub antialias: Option<Antialiasing>,
     #[command(flatten)]
     pub tones: TonesArgs,
     #[command(flatten)]

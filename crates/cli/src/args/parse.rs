@@ -72,11 +72,11 @@ pub fn length(text: &str) -> Result<f32, String> {
 
 /// An angle of view in degrees
 pub fn angle(text: &str) -> Result<f32, String> {
-    let inside = |x: &f32| *x >= 1.0 && *x <= 170.0;
+    let inside = |x: &f32| *x >= 1.0 && *x <= 360.0;
     text.parse()
         .ok()
         .filter(inside)
-        .ok_or_else(|| format!("'{text}' is not an angle of view from 1 to 170 degrees"))
+        .ok_or_else(|| format!("'{text}' is not an angle of view from 1 to 360 degrees"))
 }
 
 /// A share of the emitted light
@@ -95,4 +95,13 @@ pub fn bound(text: &str) -> Result<f32, String> {
         .ok()
         .filter(inside)
         .ok_or_else(|| format!("'{text}' is not a number above 0 and at most 1"))
+}
+
+/// A number from 0 to 1
+pub fn share(text: &str) -> Result<f32, String> {
+    let inside = |x: &f32| *x >= 0.0 && *x <= 1.0;
+    text.parse()
+        .ok()
+        .filter(inside)
+        .ok_or_else(|| format!("'{text}' is not a number from 0 to 1"))
 }

@@ -3,8 +3,43 @@
 use super::parse;
 use clap::Args;
 use glam::Vec3;
+use hemicube::raster::antialias::Antialiasing;
 use hemicube::raster::tonemap::{Exposure, ToneMap};
-use hemicube::render::Shading;
+use hemicube::render::{Shading, TextureFilter};
+use std::path::PathBuf;
+
+/// How a picture is projected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProjectionKind {
+    /// Central.
+    Perspective,
+    /// Equirectangular, all around.
+    Panorama,
+    /// Equidistant.
+    Fisheye,
+    /// Equal solid angles.
+    FisheyeEquisolid,
+}
+
+impl ProjectionKind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::Perspective,
+        Self::Panorama,
+        Self::Fisheye,
+        Self::FisheyeEquisolid,
+    ];
+
+    /// Name of the option's value.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Perspective => "perspective",
+            Self::Panorama => "panorama",
+            Self::Fisheye => "fisheye",
+            Self::FisheyeEquisolid => "fisheye-equisolid",
+        }
+    }
+}
 
 /// Options of pictures.
 #[derive(Debug, Clone, Default, Args)]
@@ -19,7 +54,12 @@ pub struct PictureArgs {
     /// Point in the middle of the picture [default: the middle of the scene]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true, requires = "eye")]
     pub look_at: Option<Vec3>,
-    /// Vertical angle of view in degrees [default: the camera's, 60 with --eye]
+    /// How the camera projects: perspective, panorama (all directions on 2:1, level), fisheye (a disc), or fisheye-equisolid
+    /// (a disc of equal solid angles) [default: the camera's]
+    #[arg(long, value_name = "NAME", value_parser = parse::choice(&ProjectionKind::ALL, ProjectionKind::name))]
+    pub projection: Option<ProjectionKind>,
+    /// Angle of view in degrees: the vertical one, across the disc of a fisheye [default: the camera's, 60 with --eye, 180
+    /// for fisheyes]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = parse::angle)]
     pub fov: Option<f32>,
     /// Pixels [default: 960x640, or the camera's proportions within 960x720]
@@ -34,9 +74,27 @@ pub struct PictureArgs {
     /// One colour an element, smooth, or light gathered at each pixel (slow, sharp shadows) [default: gouraud]
     #[arg(long, value_parser = parse::choice(&Shading::ALL, Shading::name))]
     pub shading: Option<Shading>,
-    /// N x N samples for each pixel, N from 1 to 16 [default: 3]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=16))]
-    pub antialias: Option<u32>,
+    /// Samples of each pixel, their pattern and filter: N or NxN, then -jittered, then :box, :bartlett, :gaussian, :mitchell,
+    /// :blackman-harris or :lanczos, as in 4x4:bartlett or 4-jittered:mitchell [default: 3x3]
+    #[arg(
+        long,
+        value_name = "NxN[-jittered][:FILTER]",
+        allow_hyphen_values = true
+    )]
+    pub antialias: Option<Antialiasing>,
+    /// How textures are read from afar, from quick to good [default: ewa]
+    #[arg(long, value_parser = parse::choice(&TextureFilter::ALL, TextureFilter::name))]
+    pub texture_filter: Option<TextureFilter>,
+    /// Materials or nodes that mirror what is around them (names may be globs), `metals` (those of a roughness below
+    /// --mirror-roughness) or `none`; repeatable [default: metals]
+    #[arg(long, value_name = "NAME|metals|none")]
+    pub environment: Vec<String>,
+    /// Metals mirror if their roughness is below this, others are drawn matt, as the solution has them [default: 0.3]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = parse::share)]
+    pub mirror_roughness: Option<f32>,
+    /// Picture of the surroundings (.hdr, .exr, .png or .jpg, 2:1) behind everything and in mirrors; it lights nothing
+    #[arg(long, value_name = "FILE")]
+    pub environment_file: Option<PathBuf>,
     /// Rays over the hemisphere of each pixel of --shading gather [default: 256]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub gather_rays: Option<u32>,
@@ -48,10 +106,15 @@ impl PictureArgs {
         let all = [
             (self.camera.is_some(), "--camera"),
             (self.eye.is_some(), "--eye"),
+            (self.projection.is_some(), "--projection"),
             (self.fov.is_some(), "--fov"),
             (self.size.is_some(), "--size"),
             (self.shading.is_some(), "--shading"),
             (self.antialias.is_some(), "--antialias"),
+            (self.texture_filter.is_some(), "--texture-filter"),
+            (!self.environment.is_empty(), "--environment"),
+            (self.mirror_roughness.is_some(), "--mirror-roughness"),
+            (self.environment_file.is_some(), "--environment-file"),
             (self.gather_rays.is_some(), "--gather-rays"),
         ];
         all.into_iter()

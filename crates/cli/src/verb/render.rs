@@ -20,17 +20,22 @@ pub fn run(args: &RenderVerb, global: GlobalArgs, start: Instant) -> Result<(), 
         |scene| check(scene, &args.picture),
     )?;
     let view = View::new(&solution, &args.picture)?;
-    view.draw(&solution, &target, global)?;
+    let mirrors = view.draw(&solution, &target, global)?;
     let file = target.path.display().to_string();
     let (width, height) = view.size();
     if global.json {
         return print_json(&json!({
             "scene": solution.mesh().scene().name, "camera": view.camera_name(),
-            "width": width, "height": height, "shading": view.shading_name(), "files": [file],
+            "width": width, "height": height, "shading": view.shading_name(), "mirrors": mirrors, "files": [file],
         }));
     }
+    let mirroring = match mirrors {
+        0 => String::new(),
+        1 => String::from(", 1 mirror"),
+        n => format!(", {n} mirrors"),
+    };
     print(&format!(
-        "wrote     {file} ({width} x {height}, camera {}, {})\n",
+        "wrote     {file} ({width} x {height}, camera {}, {}{mirroring})\n",
         view.camera_name(),
         view.shading_name()
     ))

@@ -17,7 +17,8 @@ use hemicube_raster::Rgb;
 use hemicube_raster::tonemap::{Exposure, ToneMap};
 use hemicube_scene::gltf::container;
 use hemicube_scene::{
-    AlphaMode, Camera, Material, MetalsAs, Projection, Scene, TextureImage, TextureSlot, Wrap,
+    AlphaMode, Camera, Magnify, Material, MetalsAs, Minify, Projection, Scene, TextureImage,
+    TextureSlot, Wrap,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -25,7 +26,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Layout of the buffer view of ours; another number is another layout.
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 
 /// How a lit `.glb` is written.
 #[derive(Debug, Clone)]
@@ -316,7 +317,7 @@ impl Builder {
         let index = self.texture_of[slot.texture].unwrap_or_else(|| {
             let texture = scene.textures[slot.texture];
             let sampler = json!({ "wrapS": wrap_code(texture.wrap[0]), "wrapT": wrap_code(texture.wrap[1]),
-                "magFilter": 9729, "minFilter": 9987 });
+                "magFilter": magnify_code(texture.magnify), "minFilter": minify_code(texture.minify) });
             let known = self.samplers.iter().position(|s| *s == sampler);
             let sampler = known.unwrap_or_else(|| {
                 self.samplers.push(sampler);
@@ -435,18 +436,18 @@ impl Builder {
 
     fn cameras(&mut self, scene: &Scene) {
         let bounds = scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ONE));
-        let cameras: Vec<Value> = scene
-            .cameras
-            .iter()
-            .map(|camera| camera_json(camera, bounds))
-            .collect();
-        for (i, camera) in scene.cameras.iter().enumerate() {
+        let mut cameras = Vec::new();
+        for camera in &scene.cameras {
+            let Some(described) = camera_json(camera, bounds) else {
+                continue;
+            };
             let rotation = Mat3::from_cols(camera.right(), camera.up, -camera.forward);
             let rotation = Quat::from_mat3(&rotation).normalize();
             self.nodes.push(json!({
-                "name": camera.name, "camera": i,
+                "name": camera.name, "camera": cameras.len(),
                 "translation": camera.eye.to_array(), "rotation": rotation.to_array(),
             }));
+            cameras.push(described);
         }
         if !cameras.is_empty() {
             self.root.insert(String::from("cameras"), json!(cameras));
@@ -602,11 +603,11 @@ fn dimmed(exitance: Rgb, emission: Rgb) -> Rgb {
     Rgb::new(band(0), band(1), band(2))
 }
 
-/// A camera whose depths hold the scene's bounds.
-fn camera_json(camera: &Camera, (low, high): (Vec3, Vec3)) -> Value {
+/// A camera whose depths hold the scene's bounds; none for projections that glTF does not know.
+fn camera_json(camera: &Camera, (low, high): (Vec3, Vec3)) -> Option<Value> {
     let size = low.distance(high).max(1e-3);
     let farthest = camera.eye.distance((low + high) * 0.5) + size;
-    match camera.projection {
+    let described = match camera.projection {
         Projection::Perspective {
             vertical_fov,
             aspect,
@@ -625,7 +626,9 @@ fn camera_json(camera: &Camera, (low, high): (Vec3, Vec3)) -> Value {
             "type": "orthographic", "name": camera.name,
             "orthographic": { "xmag": half_width, "ymag": half_height, "znear": 0.0, "zfar": farthest },
         }),
-    }
+        Projection::Panorama | Projection::Fisheye { .. } => return None,
+    };
+    Some(described)
 }
 
 /// A PNG file without the chunks by which some viewers, against the glTF specification, would change its colours or
@@ -661,6 +664,21 @@ fn wrap_code(wrap: Wrap) -> u32 {
         Wrap::Repeat => 10497,
         Wrap::MirroredRepeat => 33648,
         Wrap::ClampToEdge => 33071,
+    }
+}
+
+fn magnify_code(magnify: Magnify) -> u32 {
+    match magnify {
+        Magnify::Nearest => 9728,
+        Magnify::Linear => 9729,
+    }
+}
+
+fn minify_code(minify: Minify) -> u32 {
+    match minify {
+        Minify::Nearest => 9728,
+        Minify::Linear => 9729,
+        Minify::Mipmap => 9987,
     }
 }
 

@@ -61,7 +61,7 @@ pub fn from_above() -> Camera {
 pub fn plain(side: usize) -> RenderOptions {
     RenderOptions::default()
         .with_size(side, side)
-        .with_antialias(1)
+        .with_samples(1)
 }
 
 pub fn picture(solution: &Solution, camera: &Camera, options: &RenderOptions) -> Image<Rgb> {

@@ -131,10 +131,8 @@ impl SceneBuilder {
         self.scene
             .images
             .push(TextureImage::from_pixels(name, pixels));
-        self.scene.textures.push(Texture {
-            image: self.scene.images.len() - 1,
-            wrap: [wrap; 2],
-        });
+        let image = self.scene.images.len() - 1;
+        self.scene.textures.push(Texture::new(image, [wrap; 2]));
         self.scene.textures.len() - 1
     }
 

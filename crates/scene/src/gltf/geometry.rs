@@ -327,6 +327,15 @@ impl Attributes<'_, '_> {
             warn_of_mended(mended, "NORMAL", place, report);
             mesh.normals = normals;
         }
+        if let Some(elements) = self.elements(Semantic::Tangents, "TANGENT", &[4], place, report) {
+            let (tangents, mended) = self.values(|v| {
+                let [x, y, z, w] = elements.vector::<4>(v);
+                let (unit, is_fine) = unit_or_zero(Vec3::new(x, y, z));
+                (unit.extend(if w < 0.0 { -1.0 } else { 1.0 }), is_fine)
+            });
+            warn_of_mended(mended, "TANGENT", place, report);
+            mesh.tangents = tangents;
+        }
         if let Some(elements) =
             self.elements(Semantic::Colors(0), "COLOR_0", &[3, 4], place, report)
         {
@@ -427,15 +436,8 @@ fn unit_or_zero(direction: Vec3) -> (Vec3, bool) {
 
 fn warn_of_missing_texcoords(mesh: &Mesh, place: &str, scene: &mut Scene) {
     let material = &scene.materials[mesh.material];
-    let slots = [
-        material.base_color_texture,
-        material.metallic_texture,
-        material.emission_texture,
-        material.transmission_texture,
-    ];
-    if let Some(slot) = slots
-        .iter()
-        .flatten()
+    if let Some(slot) = material
+        .slots()
         .find(|slot| slot.texcoord_set >= mesh.texcoords.len())
     {
         let what = format!(

@@ -3,7 +3,7 @@
 use super::extension::{self, EmissiveStrength, SpecularGlossiness, TextureInfo, Transmission};
 use super::texture::Textures;
 use super::{Source, name_or};
-use crate::{AlphaMode, ImportReport, Material, Scene};
+use crate::{AlphaMode, ImportReport, Material, Relief, ReliefKind, Scene};
 use gltf::json;
 use gltf::json::validation::Checked;
 use hemicube_raster::Rgb;
@@ -77,6 +77,9 @@ fn read(
         material.transmission_texture =
             texture.and_then(|info| textures.slot(&info, &place, scene));
     }
+    if let Some(normal) = &from.normal_texture {
+        material.relief = read_relief(normal, &place, textures, scene);
+    }
     material.alpha_mode = alpha_mode(from, &place, &mut scene.report);
     material.unlit = others.is_some_and(|others| others.contains_key("KHR_materials_unlit"));
     if material.unlit {
@@ -119,6 +122,7 @@ fn read_metallic_roughness(
     };
     material.base_color_texture = slot(&from.base_color_texture);
     material.metallic_texture = slot(&from.metallic_roughness_texture);
+    material.roughness_texture = material.metallic_texture;
 }
 
 /// The extension replaces metallic and roughness; what it reflects diffusely is its diffuse colour.
@@ -141,6 +145,7 @@ fn read_specular_glossiness(
         .as_ref()
         .and_then(|info| textures.slot(info, place, scene));
     (material.metallic, material.metallic_texture) = (0.0, None);
+    material.roughness_texture = None;
     material.roughness = 1.0
         - unit(
             from.glossiness_factor,
@@ -181,6 +186,23 @@ fn read_emission(
         .emissive_texture
         .as_ref()
         .and_then(|info| textures.slot(&TextureInfo::from(info), place, scene));
+}
+
+fn read_relief(
+    from: &json::material::NormalTexture,
+    place: &str,
+    textures: &mut Textures<'_>,
+    scene: &mut Scene,
+) -> Option<Relief> {
+    let scale = from.scale;
+    if !scale.is_finite() {
+        let what = format!("normalTexture: its scale is {scale}; left out");
+        scene.report.warn(place, what);
+        return None;
+    }
+    let slot = textures.slot(&TextureInfo::from(from), place, scene)?;
+    let kind = ReliefKind::Normal { scale };
+    Some(Relief { slot, kind })
 }
 
 fn alpha_mode(from: &json::Material, place: &str, report: &mut ImportReport) -> AlphaMode {
@@ -265,17 +287,28 @@ pub fn not_negative(light: Rgb, what: &str, place: &str, report: &mut ImportRepo
 
 impl From<&json::texture::Info> for TextureInfo {
     fn from(info: &json::texture::Info) -> Self {
-        #[expect(clippy::cast_possible_truncation, reason = "it was read from 32 bits")]
-        let index = info.index.value() as u32;
-        let extensions = info
-            .extensions
-            .as_ref()
-            .map(|e| e.others.clone())
-            .unwrap_or_default();
-        Self {
-            index,
-            tex_coord: info.tex_coord,
-            extensions,
-        }
+        let extensions = info.extensions.as_ref().map(|e| e.others.clone());
+        texture_info(info.index.value(), info.tex_coord, extensions)
+    }
+}
+
+impl From<&json::material::NormalTexture> for TextureInfo {
+    fn from(info: &json::material::NormalTexture) -> Self {
+        let extensions = info.extensions.as_ref().map(|e| e.others.clone());
+        texture_info(info.index.value(), info.tex_coord, extensions)
+    }
+}
+
+fn texture_info(
+    index: usize,
+    tex_coord: u32,
+    extensions: Option<serde_json::Map<String, serde_json::Value>>,
+) -> TextureInfo {
+    #[expect(clippy::cast_possible_truncation, reason = "it was read from 32 bits")]
+    let index = index as u32;
+    TextureInfo {
+        index,
+        tex_coord,
+        extensions: extensions.unwrap_or_default(),
     }
 }

@@ -3,9 +3,9 @@
 use super::extension::{self, TextureInfo, TextureTransform};
 use super::{Source, name_or, uri};
 use crate::open::one_line;
-use crate::{ImportReport, Scene, Texture, TextureImage, TextureSlot, Wrap};
+use crate::{ImportReport, Magnify, Minify, Scene, Texture, TextureImage, TextureSlot, Wrap};
 use glam::{Affine2, Vec2};
-use gltf::json::texture::WrappingMode;
+use gltf::json::texture::{MagFilter, MinFilter, WrappingMode};
 use gltf::json::validation::Checked;
 use std::collections::HashMap;
 
@@ -95,30 +95,38 @@ impl<'a> Textures<'a> {
             return None;
         }
         let image = self.image(image, place, scene)?;
-        let wrap = texture
-            .sampler
-            .map(|sampler| self.wrap(sampler.value(), index, &mut scene.report));
-        scene.textures.push(Texture {
-            image,
-            wrap: wrap.unwrap_or_default(),
-        });
+        let mut read = Texture::new(image, [Wrap::Repeat; 2]);
+        if let Some(sampler) = texture.sampler {
+            self.sampler(sampler.value(), index, &mut read, &mut scene.report);
+        }
+        scene.textures.push(read);
         Some(scene.textures.len() - 1)
     }
 
-    fn wrap(&self, sampler: usize, texture: usize, report: &mut ImportReport) -> [Wrap; 2] {
+    /// Wraps and filters as the file has them.
+    fn sampler(&self, sampler: usize, texture: usize, to: &mut Texture, report: &mut ImportReport) {
         let Some(sampler) = self.source.root.samplers.get(sampler) else {
             let count = self.source.root.samplers.len();
             report.warn(
                 format!("texture {texture}"),
                 format!("sampler {sampler} of {count}; the picture repeats"),
             );
-            return [Wrap::Repeat; 2];
+            return;
         };
-        [&sampler.wrap_s, &sampler.wrap_t].map(|mode| match mode {
+        to.wrap = [&sampler.wrap_s, &sampler.wrap_t].map(|mode| match mode {
             Checked::Valid(WrappingMode::ClampToEdge) => Wrap::ClampToEdge,
             Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::MirroredRepeat,
             Checked::Valid(WrappingMode::Repeat) | Checked::Invalid => Wrap::Repeat,
-        })
+        });
+        to.magnify = match sampler.mag_filter {
+            Some(Checked::Valid(MagFilter::Nearest)) => Magnify::Nearest,
+            _ => Magnify::Linear,
+        };
+        to.minify = match sampler.min_filter {
+            Some(Checked::Valid(MinFilter::Nearest)) => Minify::Nearest,
+            Some(Checked::Valid(MinFilter::Linear)) => Minify::Linear,
+            _ => Minify::Mipmap,
+        };
     }
 
     fn image(&mut self, index: usize, place: &str, scene: &mut Scene) -> Option<usize> {

@@ -3,10 +3,16 @@
 use super::parse::{LogicalLines, number_of, text, words};
 use crate::gltf::uri;
 use crate::open::one_line;
-use crate::{AlphaMode, ImportReport, Material, Scene, Texture, TextureImage, TextureSlot, Wrap};
+use crate::{
+    AlphaMode, ImportReport, Material, Relief, ReliefKind, Scene, Texture, TextureImage,
+    TextureSlot, Wrap,
+};
 use hemicube_raster::{Image, Rgb};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+
+/// How deep a bump map without `-bm` is, as a share of the picture's extent. The format leaves the unit open.
+const DEPTH_OF_BUMPS: f32 = 0.01;
 
 /// Reflectance of what has no colour in the file.
 const GREY: Rgb = Rgb::splat(0.5);
@@ -56,6 +62,10 @@ struct Definition {
     map_diffuse: Option<Map>,
     map_emission: Option<Map>,
     map_opacity: Option<Map>,
+    map_roughness: Option<Map>,
+    map_metallic: Option<Map>,
+    map_normal: Option<Map>,
+    map_height: Option<Map>,
 }
 
 /// A texture statement.
@@ -63,6 +73,8 @@ struct Definition {
 struct Map {
     file: String,
     clamp: bool,
+    /// `-bm`, in bits so that maps can be compared; 1 if it is not given.
+    bump_multiplier: u32,
 }
 
 /// The materials of all libraries; of two with one name the later counts.
@@ -135,6 +147,10 @@ fn statement(to: &mut Definition, key: &[u8], rest: &[u8], name: &str, report: &
         b"map_kd" => to.map_diffuse = map(rest),
         b"map_ke" => to.map_emission = map(rest),
         b"map_d" => to.map_opacity = map(rest),
+        b"map_pr" => to.map_roughness = map(rest),
+        b"map_pm" => to.map_metallic = map(rest),
+        b"norm" | b"map_kn" => to.map_normal = map(rest),
+        b"map_bump" | b"bump" => to.map_height = map(rest),
         _ => {}
     }
 }
@@ -154,7 +170,7 @@ fn color(rest: &[u8]) -> Option<Rgb> {
 fn map(rest: &[u8]) -> Option<Map> {
     let line = text(rest);
     let mut rest = line.as_str();
-    let mut clamp = false;
+    let (mut clamp, mut bump_multiplier) = (false, 1.0_f32);
     while rest.starts_with('-') {
         let (option, after) = rest.split_once(char::is_whitespace)?;
         let (mut numbers, words) = match option.to_ascii_lowercase().as_str() {
@@ -168,6 +184,9 @@ fn map(rest: &[u8]) -> Option<Map> {
         for _ in 0..words {
             let (word, after) = rest.split_once(char::is_whitespace)?;
             clamp |= option.eq_ignore_ascii_case("-clamp") && word == "on";
+            if option.eq_ignore_ascii_case("-bm") {
+                bump_multiplier = word.parse().unwrap_or(1.0);
+            }
             rest = after.trim_start();
         }
         // The second and third number may be missing.
@@ -181,6 +200,7 @@ fn map(rest: &[u8]) -> Option<Map> {
     (!rest.is_empty()).then(|| Map {
         file: String::from(rest),
         clamp,
+        bump_multiplier: bump_multiplier.to_bits(),
     })
 }
 
@@ -235,13 +255,13 @@ fn material(name: &str, from: &Definition, maps: &mut Maps<'_>, scene: &mut Scen
         base_color,
         alpha,
         base_color_texture,
-        metallic: from.metallic.unwrap_or(0.0).clamp(0.0, 1.0),
+        metallic: metallic(from),
+        metallic_texture: maps.optional(from.map_metallic.as_ref(), &place, scene),
         roughness: roughness(from),
+        roughness_texture: maps.optional(from.map_roughness.as_ref(), &place, scene),
+        relief: maps.relief(from, &place, scene),
         emission: emission.map(|band| band.max(0.0)),
-        emission_texture: from
-            .map_emission
-            .as_ref()
-            .and_then(|map| maps.slot(map, &place, scene)),
+        emission_texture: maps.optional(from.map_emission.as_ref(), &place, scene),
         transmission: transmission(from),
         alpha_mode: if alpha < 1.0 || has_opacity_map {
             AlphaMode::Blend
@@ -252,9 +272,22 @@ fn material(name: &str, from: &Definition, maps: &mut Maps<'_>, scene: &mut Scen
     }
 }
 
-/// `Pr`, or of Phong's exponent `sqrt(2 / (Ns + 2))` (Blinn-Phong to Beckmann: Walter et al. 2007).
+/// `Pm`; its map alone is the share as it stands.
+fn metallic(from: &Definition) -> f32 {
+    let default = if from.map_metallic.is_some() {
+        1.0
+    } else {
+        0.0
+    };
+    from.metallic.unwrap_or(default).clamp(0.0, 1.0)
+}
+
+/// `Pr` (its map alone is the roughness as it stands), or of Phong's exponent `sqrt(2 / (Ns + 2))` (Blinn-Phong to Beckmann: Walter et al. 2007).
 fn roughness(from: &Definition) -> f32 {
     let of_shininess = || from.shininess.map(|ns| (2.0 / (ns.max(0.0) + 2.0)).sqrt());
+    if from.map_roughness.is_some() && from.roughness.is_none() {
+        return 1.0;
+    }
     from.roughness
         .or_else(of_shininess)
         .unwrap_or(1.0)
@@ -312,6 +345,35 @@ impl Maps<'_> {
         slot
     }
 
+    /// `norm`, else `map_Bump`: many exporters write a map of normals there too, which its colours give away.
+    fn relief(&mut self, from: &Definition, place: &str, scene: &mut Scene) -> Option<Relief> {
+        let map = from.map_normal.as_ref().or(from.map_height.as_ref())?;
+        let slot = self.slot(map, place, scene)?;
+        let multiplier = f32::from_bits(map.bump_multiplier);
+        let multiplier = if multiplier.is_finite() {
+            multiplier
+        } else {
+            1.0
+        };
+        let image = &scene.images[scene.textures[slot.texture].image];
+        let kind = if from.map_normal.is_some() || holds_normals(image) {
+            ReliefKind::Normal { scale: multiplier }
+        } else {
+            let depth = DEPTH_OF_BUMPS * multiplier;
+            ReliefKind::Height { depth }
+        };
+        Some(Relief { slot, kind })
+    }
+
+    fn optional(
+        &mut self,
+        map: Option<&Map>,
+        place: &str,
+        scene: &mut Scene,
+    ) -> Option<TextureSlot> {
+        self.slot(map?, place, scene)
+    }
+
     fn slot(&mut self, map: &Map, place: &str, scene: &mut Scene) -> Option<TextureSlot> {
         let image = self.image(&map.file, place, scene)?;
         let wrap = if map.clamp {
@@ -319,10 +381,7 @@ impl Maps<'_> {
         } else {
             Wrap::Repeat
         };
-        scene.textures.push(Texture {
-            image,
-            wrap: [wrap; 2],
-        });
+        scene.textures.push(Texture::new(image, [wrap; 2]));
         Some(TextureSlot::new(scene.textures.len() - 1))
     }
 
@@ -351,6 +410,16 @@ impl Maps<'_> {
     }
 }
 
+/// Whether a picture's mean colour is that of normals, near (0.5, 0.5, 1), and not grey.
+fn holds_normals(image: &TextureImage) -> bool {
+    let pixels = image.pixels().pixels();
+    let sum = pixels.iter().fold([0_u64; 3], |sum, p| {
+        core::array::from_fn(|k| sum[k] + u64::from(p[k]))
+    });
+    let [r, g, b] = sum.map(|s| s / (pixels.len() as u64).max(1));
+    b > 170 && b > r + 40 && b > g + 40
+}
+
 /// A new picture of the opacity map's size: colour of the one, opacity of the other (its alpha if it has any, else red).
 fn with_opacity(color: Option<TextureSlot>, opacity: usize, scene: &mut Scene) -> TextureSlot {
     let color = color.map(|slot| scene.textures[slot.texture]);
@@ -377,10 +446,8 @@ fn with_opacity(color: Option<TextureSlot>, opacity: usize, scene: &mut Scene) -
     );
     scene.images.push(image);
     let wrap = color.map_or([Wrap::Repeat; 2], |texture| texture.wrap);
-    scene.textures.push(Texture {
-        image: scene.images.len() - 1,
-        wrap,
-    });
+    let image = scene.images.len() - 1;
+    scene.textures.push(Texture::new(image, wrap));
     TextureSlot::new(scene.textures.len() - 1)
 }
 
