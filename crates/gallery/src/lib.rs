@@ -25,7 +25,15 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS, two_part::EXHIBITS, bumps::EXHIBITS, textures::EXHIBITS, antialiasing::EXHIBITS, environments::EXHIBITS];
+const ROOMS: &[&[Exhibit]] = &[
+    csg::EXHIBITS,
+    field::EXHIBITS,
+    two_part::EXHIBITS,
+    bumps::EXHIBITS,
+    textures::EXHIBITS,
+    antialiasing::EXHIBITS,
+    environments::EXHIBITS,
+];
 
 #[cfg(test)]
 mod tests {

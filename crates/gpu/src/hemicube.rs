@@ -42,7 +42,7 @@ const ITEMS: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// Format of their depth.
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Distance of the parameters of two draw calls in their buffer: the most that an adapter may ask for.
-const STRIDE: u64 = 256;
+const STRIDE: usize = 256;
 
 /// Form factors by hemicubes on the GPU.
 ///
@@ -98,7 +98,7 @@ impl GpuHemicube {
         self.batch
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
-            .views as usize
+            .views
     }
 
     /// The item buffers of a node's first hemicube, as [`Hemicube::item_buffers`] gives them.
@@ -141,9 +141,9 @@ impl GpuHemicube {
     fn sums(&self, views: &[Viewpoint]) -> Result<Vec<Sums>, GpuError> {
         let batch = self.batch.lock().unwrap_or_else(PoisonError::into_inner);
         let mut sums = Vec::with_capacity(views.len());
-        for views in views.chunks(batch.views as usize) {
+        for views in views.chunks(batch.views) {
             self.draw(&batch, views, |encoder| {
-                batch.copy_sums(encoder, views.len())
+                batch.copy_sums(encoder, views.len());
             });
             sums.extend(batch.read_sums(&self.context, views.len())?);
         }
@@ -526,7 +526,7 @@ fn draw_pipeline(device: &wgpu::Device, layouts: [&BindGroupLayout; 2]) -> Rende
 /// Memory for the hemicubes of one submission.
 #[derive(Debug)]
 pub(crate) struct Batch {
-    views: u64,
+    views: usize,
     elements: usize,
     pub(crate) viewpoints: Buffer,
     pub(crate) sums: Buffer,
@@ -595,7 +595,7 @@ impl Batch {
         );
         let draws: Vec<u32> = (0..layers)
             .flat_map(|viewpoint| {
-                let mut words = [0; STRIDE as usize / 4];
+                let mut words = [0; STRIDE / 4];
                 words[0] = viewpoint;
                 words
             })
@@ -630,7 +630,7 @@ impl Batch {
             size: wgpu::BufferSize::new(size_of::<twins::DrawParams>() as u64),
         });
         Ok(Self {
-            views,
+            views: layers as usize,
             elements: params.elements as usize,
             place: bind(
                 device,
