@@ -7,8 +7,8 @@ use crate::solve::gauss_blocked::BlockedElimination;
 use crate::solve::system::{MatrixMethod, System};
 use rayon::prelude::*;
 
-/// Patches up to which the readable elimination is used. By blocks it is as fast there, four times as fast at 1000 and
-/// seven times at 2000.
+/// Patches up to which the readable elimination is used. By blocks it is as fast there, at least four times as fast at
+/// 1000 and seven times at 2000.
 pub const READABLE_UP_TO: usize = 32;
 
 /// One step eliminates one column of `I - ρ F`, or a block of 128 where the matrix is large; the last one substitutes
