@@ -589,7 +589,9 @@ fn too_much_memory_is_refused_before_the_work() {
     };
     let message = error.to_string();
     assert!(
-        message.contains("a solver that shoots") && !message.contains("gauss-seidel"),
+        message.contains("solver gauss on")
+            && message.contains("a solver that shoots")
+            && !message.contains("gauss-seidel"),
         "what would be refused next is no advice: {message}"
     );
 }
