@@ -259,7 +259,8 @@ impl MatrixSolverKind {
         limit: usize,
     ) -> RadiosityError {
         let alone = self.extra_bytes(n, 0, channels);
-        if alone <= limit {
+        if self != Self::Gauss || alone <= limit {
+            // The others take next to nothing besides, or as much as the matrices.
             return matrices;
         }
         self.too_large(
