@@ -389,6 +389,90 @@ fn a_surface_that_is_masked_all_over_sees_its_masks_alone() {
     assert_eq!(matrix.sky()[0], 0.0, "and nothing else");
 }
 
+fn overlaps_of(text: &str, by: SurfacesBy) -> Vec<(String, String, f64)> {
+    let mesh = mesh_of(obj(text), PatchOptions::whole_faces());
+    let surfaces = Surfaces::new(&mesh, by);
+    let name = |i: usize| surfaces.names()[i].clone();
+    let overlaps = surfaces.overlaps(&mesh).into_iter();
+    overlaps
+        .map(|o| (name(o.surfaces[0]), name(o.surfaces[1]), o.area))
+        .collect()
+}
+
+/// A wall with a picture in its plane, a plate back to back with the wall, a tile beside it and a shelf far above.
+#[test]
+fn surfaces_in_one_place_are_found_with_their_area() {
+    let scene = "\
+o wall\nv 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nf 1 2 3 4
+o picture\nv 3 1 0\nv 5 1 0\nv 5 2 0\nv 3 2 0\nf 5 6 7 8
+o plate\nf 1 4 3 2
+o tile\nv 0 -1 0\nv 4 -1 0\nf 9 10 2 1
+o near\nv 0 0 .01\nv 4 0 .01\nv 4 3 .01\nv 0 3 .01\nf 11 12 13 14
+";
+    for by in SurfacesBy::ALL {
+        let overlaps = overlaps_of(scene, by);
+        let [(first, second, area)] = &*overlaps else {
+            panic!("one pair overlaps: {overlaps:?}");
+        };
+        assert_eq!([first, second], ["wall", "picture"], "their names");
+        assert!((area - 1.0).abs() < 1e-6, "its area: {area}");
+    }
+}
+
+/// Turned and moved, so that neither plane nor edges are round numbers; two triangles overlap two others.
+#[test]
+fn overlaps_of_slanted_surfaces_are_summed() {
+    let at = |x: f32, y: f32| {
+        let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.7, 0.3, 1.1);
+        let p = turn * Vec3::new(x, y, 0.0) + Vec3::new(3.3, -1.7, 2.9);
+        format!("v {} {} {}\n", p.x, p.y, p.z)
+    };
+    let square = |low: f32, size: f32| {
+        [(0.0, 0.0), (size, 0.0), (size, size), (0.0, size)]
+            .map(|(x, y)| at(low + x, low + y))
+            .concat()
+    };
+    let text = format!(
+        "o a\n{}f 1 2 3\nf 1 3 4\no b\n{}f 5 6 7\nf 5 7 8\n",
+        square(0.0, 2.0),
+        square(1.5, 2.0)
+    );
+    let overlaps = overlaps_of(&text, SurfacesBy::Object);
+    assert_eq!(overlaps.len(), 1, "{overlaps:?}");
+    assert!((overlaps[0].2 - 0.25).abs() < 1e-5, "{overlaps:?}");
+}
+
+#[test]
+fn tiles_of_a_floor_do_not_overlap() {
+    let mut text = String::new();
+    let (n, step) = (100, 0.137);
+    for k in 0..=n {
+        for i in 0..=n {
+            text.push_str(&format!(
+                "v {} 0.3 {}\n",
+                f64::from(i) * step,
+                f64::from(k) * -step
+            ));
+        }
+    }
+    for k in 0..n {
+        for i in 0..n {
+            let a = k * (n + 1) + i + 1;
+            text.push_str(&format!("f {a} {} {} {}\n", a + 1, a + n + 2, a + n + 1));
+        }
+    }
+    assert!(
+        overlaps_of(&text, SurfacesBy::Face).is_empty(),
+        "edges only touch"
+    );
+    for scene in ["cornell", "two-rooms"] {
+        let scene = builtin::scene(scene).expect("it is built in");
+        let mesh = mesh_of(scene, PatchOptions::whole_faces());
+        let found = Surfaces::new(&mesh, SurfacesBy::Object).overlaps(&mesh);
+        assert!(found.is_empty(), "built-in scenes are clean: {found:?}");
+    }
+}
+
 /// A table as RFC 4180 has it.
 fn table(text: &str) -> Vec<Vec<String>> {
     let (mut rows, mut row, mut field, mut in_quotes) =

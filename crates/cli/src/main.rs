@@ -51,7 +51,7 @@ fn run(cli: &Cli, start: Instant) -> Result<(), Failure> {
         Verb::Measure(args) => verb::measure::run(args, cli.global, start),
         Verb::Render(args) => verb::render::run(args, cli.global, start),
         Verb::FormFactors(args) => verb::form_factors::run(args, cli.global, start),
-        Verb::Compare(args) => verb::compare::run(args, cli.global),
+        Verb::Compare(args) => verb::compare::run(args, cli.global, start),
         Verb::Environment(args) => verb::environment::run(args, cli.global, start),
         Verb::Gallery(args) => verb::gallery::run(args, cli.global),
         Verb::Scenes => verb::scenes::run(cli.global),

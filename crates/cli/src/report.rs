@@ -155,15 +155,15 @@ impl Report {
         let _ = write!(
             text,
             "scene     {} ({})
-mesh      {} elements, {} patches
-solved    {}, {}, seed {}: {} steps, {} rays, {:.1} s; {end}
+mesh      {}, {}
+solved    {}, {}, seed {}: {}, {}, {:.1} s; {end}
 unshot    {} of the emitted light
 energy    {:>14} {:>13} {:>13} {:>13} {:>9}
 ",
             crate::failure::one_line(&self.scene),
             self.units,
-            grouped(self.elements as u64),
-            grouped(self.patches as u64),
+            counted(self.elements as u64, "element"),
+            counted_patches(self.patches),
             self.solver,
             factors(
                 &self.form_factors,
@@ -171,8 +171,8 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
                 self.hemicube_resolution
             ),
             self.seed,
-            grouped(self.steps),
-            grouped(self.rays),
+            counted(self.steps, "step"),
+            counted(self.rays, "ray"),
             self.seconds,
             percent(self.unshot_fraction),
             format!("emitted {}", self.flux_unit),
@@ -256,6 +256,20 @@ pub fn grouped(number: u64) -> String {
         text.push(digit);
     }
     text
+}
+
+/// A number with its noun: `1 point`, `2,000 points`.
+pub fn counted(number: u64, noun: &str) -> String {
+    let ending = if number == 1 { "" } else { "s" };
+    format!("{} {noun}{ending}", grouped(number))
+}
+
+/// A number of patches.
+pub fn counted_patches(number: usize) -> String {
+    match number {
+        1 => String::from("1 patch"),
+        _ => format!("{} patches", grouped(number as u64)),
+    }
 }
 
 /// Most memory that the program had at once, in bytes, where the system tells.

@@ -151,3 +151,49 @@ fn histories_are_tables_and_plots() {
     let error = folder.fails(2, &["solve", "cornell", "--convergence", "h.txt"]);
     assert!(error.contains("use .csv or .png or .svg"), "{error}");
 }
+
+#[test]
+fn time_ends_a_comparison_and_nothing_is_written() {
+    let folder = Folder::new();
+    let error = folder.fails(
+        1,
+        &[
+            "compare",
+            "office",
+            "--elements",
+            "100000",
+            "--time",
+            "50ms",
+            "-o",
+            "v.png",
+        ],
+    );
+    assert!(error.contains("--time: time was up"), "{error}");
+    assert!(folder.files().is_empty(), "no file");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_a_comparison_and_nothing_is_written() {
+    let folder = Folder::new();
+    let args = [
+        "compare",
+        "office",
+        "--elements",
+        "200000",
+        "--patches",
+        "20000",
+        "-o",
+        "v.png",
+    ];
+    let child = folder.command(&args).spawn().expect("the program starts");
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    let pid = child.id().to_string();
+    let kill = std::process::Command::new("kill")
+        .args(["-INT", &pid])
+        .status();
+    assert!(kill.expect("there is kill").success(), "it still ran");
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(130), "as other verbs");
+    assert!(folder.files().is_empty(), "no file");
+}

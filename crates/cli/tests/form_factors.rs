@@ -265,18 +265,6 @@ fn what_makes_no_sense_is_refused_before_the_work() {
         line.contains("--hemicube-resolution is for --method hemicube"),
         "{line}"
     );
-    let line = folder.fails(
-        1,
-        &[
-            "form-factors",
-            "cube.vs3",
-            "--method",
-            "hemicube",
-            "--hemicube-resolution",
-            "7",
-        ],
-    );
-    assert!(line.contains('7') && line.contains("even"), "{line}");
     let line = folder.fails(1, &["form-factors", "cube.vs3", "-o", "no/F.csv"]);
     assert!(line.contains("does not exist"), "{line}");
     folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
@@ -337,4 +325,111 @@ fn a_vs3_room_is_informed_about_and_solved() {
         again["corrected"], true,
         "a lit file keeps what its scene asks for"
     );
+}
+
+/// A mask on one face of the cube: its row, its column and the whole area of its base.
+#[test]
+fn masks_are_rows() {
+    let folder = Folder::new();
+    let masked = CUBE.replace("encl=1", "encl=0").replace(
+        "S 2 ",
+        "V 9 .5 0. 0.\nV 10 .5 1. 0.\nM 2   4 10 9 1   1 0  0.30  mask\nS 3 ",
+    );
+    let masked = masked
+        .replace("S 3   1 5", "S 4   1 5")
+        .replace("S 4   7", "S 5   7")
+        .replace("S 5   7 3", "S 6   7 3")
+        .replace("S 6   7 8", "S 7   7 8");
+    folder.write("masked.vs3", &masked);
+    let report = folder.json(&["form-factors", "masked.vs3"]);
+    let surface = |i: usize, what: &str| report["surfaces"][i][what].clone();
+    assert_eq!(surface(1, "name"), "mask", "it has a row of its own");
+    assert_eq!(surface(1, "emissivity"), 0.3f32 as f64, "its emissivity");
+    assert_eq!(surface(0, "area"), 1.0, "the base with the covered half");
+    assert_eq!(surface(1, "area"), 0.5, "the mask");
+    assert_eq!(
+        numbers(&report["factors"][1])[0],
+        1.0,
+        "it sees its base alone"
+    );
+    assert_eq!(
+        numbers(&report["factors"][0])[1],
+        0.5,
+        "which sees it by half"
+    );
+    let opposite = numbers(&report["factors"][0])[4];
+    assert!((opposite - OPPOSITE / 2.0).abs() < 1e-5, "{opposite}");
+    assert_eq!(
+        report["warnings"].as_array().map(Vec::len),
+        Some(0),
+        "no warning"
+    );
+}
+
+#[test]
+fn a_correction_says_what_it_changed() {
+    let folder = with_cube();
+    let args = [
+        "form-factors",
+        "cube.vs3",
+        "--method",
+        "hemicube",
+        "--hemicube-resolution",
+        "64",
+    ];
+    let report = folder.json(&args);
+    let change = |what: &str| report["correction"][what].as_f64().expect("a number");
+    assert!(
+        change("largest") > 0.0 && change("largest") < 0.05,
+        "{report}"
+    );
+    assert!(
+        change("rms") > 0.0 && change("rms") <= change("largest"),
+        "{report}"
+    );
+    let text = folder.done(&["form-factors", "cube.vs3"]);
+    assert!(text.contains("changed   by at most"), "{text}");
+    let plain = folder.json(&["form-factors", "cornell"]);
+    assert!(plain["correction"].is_null(), "nothing was corrected");
+}
+
+/// View3D computes it without a word, and rows that see both sum to more than 1.
+#[test]
+fn surfaces_in_one_place_are_told_of() {
+    let folder = Folder::new();
+    let twice = CUBE.replace("encl=1", "encl=0").replace(
+        "End of data",
+        "V 9 .5 .5 1.\nV 10 1.5 .5 1.\nV 11 1.5 1.5 1.\nV 12 .5 1.5 1.\nS 7   11 10 9 12   0 0  0.50  poster\nEnd",
+    );
+    folder.write("twice.vs3", &twice);
+    let text = folder.done(&["form-factors", "twice.vs3"]);
+    let warning = text.lines().find(|line| line.starts_with("warning: "));
+    let warning = warning.unwrap_or_else(|| panic!("a warning in {text}"));
+    for part in [
+        "'zeq1' and 'poster'",
+        "area of 0.2500",
+        "the base of the other",
+    ] {
+        assert!(warning.contains(part), "'{part}' is not in {warning}");
+    }
+    let report = folder.json(&["form-factors", "twice.vs3"]);
+    assert_eq!(
+        report["overlaps"][0]["between"],
+        serde_json::json!(["zeq1", "poster"])
+    );
+    assert!(
+        folder.json(&["form-factors", "cornell"])["overlaps"]
+            .as_array()
+            .is_some_and(Vec::is_empty),
+        "none in a clean scene"
+    );
+}
+
+#[test]
+fn quiet_leaves_hints_out() {
+    let folder = Folder::new();
+    let args = ["form-factors", "two-rooms"];
+    assert!(folder.done(&args).contains("no file"), "a hint");
+    let quiet = folder.done(&[&args[..], &["-q"]].concat());
+    assert!(!quiet.contains("no file"), "{quiet}");
 }

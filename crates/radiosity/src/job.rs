@@ -225,7 +225,8 @@ impl SolveOptions {
         let factors = self
             .form_factors
             .build(mesh.clone(), &self.form_factor_options())?;
-        let plan = MatrixPlan::new(&*factors, self.matrix_options())?;
+        let plan = MatrixPlan::new(&*factors, self.matrix_options())
+            .map_err(|error| kind.refusal(error, n, channels, self.memory_limit))?;
         kind.refuse_memory(n, plan.bytes(), channels, self.memory_limit)
     }
 

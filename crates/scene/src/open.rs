@@ -1,6 +1,7 @@
 //! Opening a scene by the name a user gives.
 
 use crate::gltf::uri::read;
+use crate::report::counted;
 use crate::{ImportReport, Scene, SceneError, gltf, obj, stl, vs3};
 use std::path::Path;
 
@@ -70,7 +71,10 @@ pub(crate) fn no_triangles(report: &ImportReport) -> String {
         [first] => format!("contains no triangles that can be used: {first}"),
         [first, rest @ ..] => {
             let more = rest.len() + report.unlisted;
-            format!("contains no triangles that can be used: {first} (and {more} warnings more)")
+            format!(
+                "contains no triangles that can be used: {first} (and {} more)",
+                counted(more, "warning")
+            )
         }
     }
 }

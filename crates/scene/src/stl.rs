@@ -10,6 +10,7 @@
 //! STL knows no unit and no upward axis: lengths count as metres, +Y is up, unless the scene's options say otherwise.
 
 use crate::open::{checked, no_triangles, one_line, stem};
+use crate::report::counted;
 use crate::{Face, ImportReport, Instance, Material, Mesh, Scene, SceneError};
 use glam::{Affine3A, Vec3};
 use hemicube_raster::Rgb;
@@ -148,7 +149,10 @@ impl<'a> Solids<'a> {
 
     fn report(&self, report: &mut ImportReport) {
         if self.flat > 0 {
-            let what = format!("{} triangles have no area; left out", self.flat);
+            let what = format!(
+                "{} without an area; left out",
+                counted(self.flat, "triangle")
+            );
             report.warn("file", what);
         }
         if self.against_winding > 0 {
@@ -261,7 +265,10 @@ fn text(bytes: &[u8], solids: &mut Solids<'_>, report: &mut ImportReport) {
     if unknown > 0 {
         report.warn(
             "file",
-            format!("{unknown} lines say nothing that STL knows; passed over"),
+            format!(
+                "{} without a meaning in STL; passed over",
+                counted(unknown, "line")
+            ),
         );
     }
 }

@@ -2,6 +2,7 @@
 
 mod environment;
 mod form_factors;
+mod method;
 mod parse;
 mod picture;
 mod scene;
@@ -18,6 +19,7 @@ pub use solve::{MeshArgs, SolveArgs};
 use clap::{Args, Parser, Subcommand};
 use hemicube::radiosity::SolverKind;
 use std::path::PathBuf;
+use std::time::Duration;
 
 const LONG_ABOUT: &str = "\
 Computes how light spreads through a scene (radiosity), in physical units.
@@ -220,7 +222,8 @@ Examples:
 All variants start from the same light and use the same form factors. A step is what one row of them brings: one patch \
 shoots, or one gathers; a sweep of jacobi, gauss-seidel or gauss is paid with as many steps as there are patches, an \
 iteration of conjugate-gradient with twice as many. The error is the root of the mean squared error of radiosity over \
-area, against the converged solution and relative to its reflected light: 100 % where only lamps shine.";
+area, against the converged solution and relative to its reflected light: 100 % where only lamps shine. Nothing is written \
+before all variants are done; Ctrl-C ends it at once (exit code 130).";
 
 /// Compares solvers after the same number of steps from the same start: pictures, and the curves of their errors
 #[derive(Debug, Args)]
@@ -241,6 +244,9 @@ pub struct CompareVerb {
     /// Solvers to compare [default: gathering,shooting,sorted-shooting,ambient-shooting]
     #[arg(long, value_name = "A,B,...", value_delimiter = ',', value_parser = parse::choice(&SolverKind::ALL, SolverKind::name))]
     pub variants: Vec<SolverKind>,
+    /// Give up after this time since the program's start: 30s, 2m, 1h [default: no limit]
+    #[arg(long, value_name = "TIME", value_parser = parse::duration)]
+    pub time: Option<Duration>,
     #[command(flatten)]
     pub mesh: MeshArgs,
     #[command(flatten)]

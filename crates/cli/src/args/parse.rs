@@ -2,7 +2,13 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
+use hemicube::raster::Rgb;
+use hemicube::scene::options::{parse_named_rgb, parse_rgb};
+use hemicube::scene::scene::MAX_LIGHT;
 use std::time::Duration;
+
+/// Elements that a mesh may have.
+pub const MAX_ELEMENTS: i64 = hemicube::radiosity::patch::MAX_ELEMENTS as i64;
 
 /// One of a few values, by name; help lists the names and errors propose one.
 pub fn choice<T: Copy + Send + Sync + 'static>(
@@ -86,6 +92,53 @@ pub fn tolerance(text: &str) -> Result<f64, String> {
         .ok()
         .filter(inside)
         .ok_or_else(|| format!("'{text}' is not a number from 0 to below 1"))
+}
+
+/// An error of form factors
+pub fn error(text: &str) -> Result<f64, String> {
+    let inside = |x: &f64| *x >= 1e-9 && *x <= 0.1;
+    text.parse()
+        .ok()
+        .filter(inside)
+        .ok_or_else(|| format!("'{text}' is not a number from 1e-9 to 0.1"))
+}
+
+/// Cells along an edge of a hemicube
+pub fn resolution(text: &str) -> Result<u32, String> {
+    let inside = |n: &u32| (16..=4096).contains(n) && n.is_multiple_of(2);
+    text.parse()
+        .ok()
+        .filter(inside)
+        .ok_or_else(|| format!("'{text}' is not an even number from 16 to 4096"))
+}
+
+/// Radiance in three bands
+pub fn radiance(text: &str) -> Result<Rgb, String> {
+    within(parse_rgb(text)?, text, MAX_LIGHT)
+}
+
+/// Radiance of materials
+pub fn emission(text: &str) -> Result<(String, Rgb), String> {
+    let (name, radiance) = parse_named_rgb(text)?;
+    Ok((name, within(radiance, text, MAX_LIGHT)?))
+}
+
+/// Reflectance of materials
+pub fn reflectance(text: &str) -> Result<(String, Rgb), String> {
+    let (name, reflectance) = parse_named_rgb(text)?;
+    Ok((name, within(reflectance, text, 1.0)?))
+}
+
+/// The colour if all its bands are from 0 to a bound.
+fn within(color: Rgb, text: &str, most: f32) -> Result<Rgb, String> {
+    let is_within = |band: &f32| (0.0..=most).contains(band);
+    if color.to_array().iter().all(is_within) {
+        Ok(color)
+    } else {
+        Err(format!(
+            "'{text}' has a number that is not from 0 to {most}"
+        ))
+    }
 }
 
 /// A bound of the reflectance

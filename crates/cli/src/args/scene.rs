@@ -4,7 +4,7 @@ use super::parse;
 use clap::Args;
 use clap::builder::TypedValueParser;
 use hemicube::raster::Rgb;
-use hemicube::scene::options::{Unit, UpAxis, parse_named_rgb, parse_rgb};
+use hemicube::scene::options::{Unit, UpAxis};
 use hemicube::scene::{MetalsAs, Scene, SceneOptions, Units};
 
 /// Options that adjust a scene; names may be globs (`*`, `?`).
@@ -12,13 +12,13 @@ use hemicube::scene::{MetalsAs, Scene, SceneOptions, Units};
 #[command(next_help_heading = "Scene (names may be globs: * any text, ? one character)")]
 pub struct SceneArgs {
     /// Let a material emit this radiance, in cd/m² or W/(m² sr); repeatable
-    #[arg(long, value_name = "MATERIAL=R,G,B", value_parser = parse_named_rgb)]
+    #[arg(long, value_name = "MATERIAL=R,G,B", value_parser = parse::emission)]
     pub emit: Vec<(String, Rgb)>,
     /// Radiance of a uniform sky around the scene [default: the scene's]
-    #[arg(long, value_name = "R,G,B", value_parser = parse_rgb, allow_hyphen_values = true)]
+    #[arg(long, value_name = "R,G,B", value_parser = parse::radiance, allow_hyphen_values = true)]
     pub sky: Option<Rgb>,
     /// Give a material this diffuse reflectance, 0 to 1; repeatable
-    #[arg(long, value_name = "MATERIAL=R,G,B", value_parser = parse_named_rgb)]
+    #[arg(long, value_name = "MATERIAL=R,G,B", value_parser = parse::reflectance)]
     pub reflectance: Vec<(String, Rgb)>,
     /// Leave out a node; repeatable
     #[arg(long, value_name = "NODE")]

@@ -1,11 +1,13 @@
 //! Options of the mesh and the solver.
 
+use super::method::MethodGiven;
 use super::parse;
 use crate::report::{SHARE_OF_MEMORY, free_memory};
 use clap::Args;
 use hemicube::radiosity::form_factor::FormFactorKind;
 use hemicube::radiosity::solution::Provenance;
 use hemicube::radiosity::{Quality, SolveOptions, SolverKind};
+use hemicube::scene::Scene;
 use std::time::Duration;
 
 const SOLVER_HELP: &str = "\
@@ -34,21 +36,21 @@ pub struct MeshArgs {
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub element_size: Option<f32>,
     /// Elements to aim at instead of a size [default: 4000]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = clap::value_parser!(u32).range(1..=parse::MAX_ELEMENTS))]
     pub elements: Option<u32>,
     /// Longest edge of the patches that shoot light, in scene units (metres)
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub patch_size: Option<f32>,
     /// Patches to aim at instead of a size [default: 400]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = clap::value_parser!(u32).range(1..=parse::MAX_ELEMENTS))]
     pub patches: Option<u32>,
     /// Way to the form factors [default: raycast]
     #[arg(long, value_name = "METHOD", value_parser = parse::choice(&FormFactorKind::ALL, FormFactorKind::name))]
     pub form_factors: Option<FormFactorKind>,
-    /// Cells along an edge of --form-factors hemicube, even, 16 to 4096 [default: 256]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    /// Cells along an edge of a hemicube, even, 16 to 4096, for hemicube and its variants [default: 256]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::resolution)]
     pub hemicube_resolution: Option<u32>,
-    /// Rays over each hemisphere [default: 256]
+    /// Rays over each hemisphere, for raycast and nusselt, and for the light of sky and sun [default: 256]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub rays: Option<u32>,
     /// Seed of all sampling [default: 0]
@@ -114,6 +116,28 @@ impl MeshArgs {
         }
         options.rays = self.rays.unwrap_or(options.rays);
         options.seed = self.seed.unwrap_or(options.seed);
+    }
+
+    /// The option that was given for another way to form factors than the one in use. Light of sky and sun takes rays
+    /// whatever the way, so `--rays` has a use where there is such light.
+    pub fn misplaced(&self, kind: FormFactorKind, scene: &Scene) -> Option<String> {
+        let has_first_light = scene.sky.max_band() > 0.0 || !scene.lights.is_empty();
+        self.misplaced_among(kind, self.rays.is_some() && !has_first_light)
+    }
+
+    /// As [`Self::misplaced`] where first light has fallen already.
+    pub fn misplaced_in_steps(&self, kind: FormFactorKind) -> Option<String> {
+        self.misplaced_among(kind, self.rays.is_some())
+    }
+
+    fn misplaced_among(&self, kind: FormFactorKind, rays: bool) -> Option<String> {
+        let given = MethodGiven {
+            kind,
+            error: false,
+            rays,
+            resolution: self.hemicube_resolution.is_some(),
+        };
+        given.misplaced("--form-factors")
     }
 
     /// Names of the mesh's options that were given.

@@ -1,21 +1,24 @@
 //! `hemicube compare`: solvers side by side after the same number of steps.
 
-use super::note;
+use super::{note, refuse_misplaced};
 use crate::args::{CompareVerb, GlobalArgs};
 use crate::failure::Failure;
 use crate::input::Input;
+use crate::interrupt;
 use crate::output::{Target, print, print_json};
 use crate::picture::{self, View};
 use crate::progress::Bar;
+use crate::report::{counted, counted_patches};
 use crate::solving::percent;
 use hemicube::radiosity::compare::{Variant, converged, variant};
 use hemicube::radiosity::form_factor::{Cached, MatrixOptions};
-use hemicube::radiosity::stop::NEVER;
-use hemicube::radiosity::{Solution, SolveOptions, SolverKind, unlit};
+use hemicube::radiosity::{RadiosityError, Solution, SolveOptions, SolverKind, unlit};
+use hemicube::scene::Scene;
 use hemicube_chart::{Canvas, Chart, Curve, Drawing, Scale, label};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// The classic four.
 const CLASSIC: [SolverKind; 4] = [
@@ -32,7 +35,8 @@ const CONVERGED: f64 = 1e-5;
 const ROW_BUDGET: usize = 1 << 30;
 
 /// Compares and writes what was asked for.
-pub fn run(args: &CompareVerb, global: GlobalArgs) -> Result<(), Failure> {
+pub fn run(args: &CompareVerb, global: GlobalArgs, start: Instant) -> Result<(), Failure> {
+    interrupt::listen();
     let picture_target = target(args.output.as_deref(), &["png"])?;
     let table_target = target(args.csv.as_deref(), &["csv"])?;
     if picture_target.is_none() && (!args.picture.view_given().is_empty()) {
@@ -43,8 +47,12 @@ pub fn run(args: &CompareVerb, global: GlobalArgs) -> Result<(), Failure> {
     }
     let scene = Input::open(&args.scene)?.into_scene(&args.scene_options)?;
     picture::check(&scene, &args.picture)?;
-    let start = unlit(Arc::new(scene), &args.mesh.options(), NEVER)?;
-    let comparison = Comparison::make(args, start, global)?;
+    refuse_misplaced(&args.mesh, &args.mesh.options(), &scene)?;
+    let watch = Watch {
+        start,
+        limit: args.time,
+    };
+    let comparison = Comparison::make(args, scene, &watch, global)?;
     let mut files = Vec::new();
     if let Some(target) = &picture_target {
         target.write(&comparison.sheet(args)?.png()?)?;
@@ -61,6 +69,31 @@ fn target(path: Option<&std::path::Path>, endings: &[&str]) -> Result<Option<Tar
     path.map(|path| Target::check(path, endings)).transpose()
 }
 
+/// When to give up.
+struct Watch {
+    start: Instant,
+    limit: Option<Duration>,
+}
+
+impl Watch {
+    fn is_over(&self) -> bool {
+        interrupt::asked()
+            || self
+                .limit
+                .is_some_and(|limit| self.start.elapsed() >= limit)
+    }
+
+    /// What to tell when it is over.
+    fn failure(&self) -> Failure {
+        if interrupt::asked() {
+            return Failure::Interrupted;
+        }
+        Failure::Failed(String::from(
+            "--time: time was up before all variants were done; allow more time, or ask for fewer --steps or --elements",
+        ))
+    }
+}
+
 /// All variants and the truth.
 struct Comparison {
     steps: u64,
@@ -70,8 +103,19 @@ struct Comparison {
 }
 
 impl Comparison {
-    fn make(args: &CompareVerb, start: Solution, global: GlobalArgs) -> Result<Self, Failure> {
+    fn make(
+        args: &CompareVerb,
+        scene: Scene,
+        watch: &Watch,
+        global: GlobalArgs,
+    ) -> Result<Self, Failure> {
         let options: SolveOptions = args.mesh.options();
+        let stop = || watch.is_over();
+        let start = unlit(Arc::new(scene), &options, &stop);
+        let start = start.map_err(|error| match error {
+            RadiosityError::Stopped(_) => watch.failure(),
+            error => error.into(),
+        })?;
         let mesh = start.mesh().clone();
         let way = options.form_factors;
         let factors = way.build(mesh, &options.form_factor_options())?;
@@ -80,8 +124,11 @@ impl Comparison {
         let truth = converged(&factors, &start, CONVERGED, |progress, _| {
             let share = progress.unshot.max(CONVERGED).ln() / CONVERGED.ln();
             bar.show(0.5 * share, || String::from("the converged solution"));
-            true
+            !stop()
         });
+        if stop() {
+            return Err(watch.failure());
+        }
         let kinds: &[SolverKind] = if args.variants.is_empty() {
             &CLASSIC
         } else {
@@ -93,8 +140,8 @@ impl Comparison {
                 kind.name().into()
             });
             let matrix = MatrixOptions::default();
-            let made = variant(&factors, &start, kind, args.steps, &truth, matrix, NEVER)?;
-            variants.extend(made);
+            let made = variant(&factors, &start, kind, args.steps, &truth, matrix, &stop)?;
+            variants.push(made.ok_or_else(|| watch.failure())?);
         }
         bar.finish();
         let comparison = Self {
@@ -152,11 +199,11 @@ impl Comparison {
         let mesh = self.truth.mesh();
         let chart = Chart {
             title: format!(
-                "{} after {} steps: {} patches, {} elements, {}",
+                "{} after {}: {}, {}, {}",
                 mesh.scene().name,
-                self.steps,
-                mesh.patches().len(),
-                mesh.elements().len(),
+                counted(self.steps, "step"),
+                counted_patches(mesh.patches().len()),
+                counted(mesh.elements().len() as u64, "element"),
                 self.form_factors
             ),
             x_label: String::from("steps"),
@@ -196,10 +243,10 @@ impl Comparison {
             }));
         }
         let mut text = format!(
-            "{} after {} steps, {} patches\n",
+            "{} after {}, {}\n",
             crate::failure::one_line(&mesh.scene().name),
-            self.steps,
-            mesh.patches().len()
+            counted(self.steps, "step"),
+            counted_patches(mesh.patches().len())
         );
         for (variant, error) in self.variants.iter().zip(self.errors()) {
             let _ = writeln!(

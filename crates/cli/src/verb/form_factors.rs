@@ -9,11 +9,13 @@ use crate::output::{Target, print, print_json};
 use crate::progress::Bar;
 use crate::report::{SHARE_OF_MEMORY, Warnings, free_memory, grouped, peak_memory};
 use crate::solving::percent;
-use hemicube::radiosity::PatchMesh;
 use hemicube::radiosity::export::view_factors::{self, View3dFacts};
+use hemicube::radiosity::form_factor::matrix::{Change, SEAM};
 use hemicube::radiosity::form_factor::{
-    FormFactorKind, MatrixOptions, Storage, Surfaces, SurfacesBy, ViewFactorMatrix,
+    FormFactorKind, MatrixOptions, Overlap, Storage, Surfaces, SurfacesBy, ViewFactorMatrix,
 };
+use hemicube::radiosity::{PatchMesh, RadiosityError};
+use hemicube::scene::ImportReport;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -29,16 +31,11 @@ const PRINTED_AS_JSON: usize = 100;
 const NAME: usize = 16;
 /// Matrices that there are at once while one is corrected.
 const CORRECTING: u64 = 4;
-/// Share of a row that a closed enclosure may lose through its seams.
-const LEAK: f64 = 1e-3;
 
 /// Computes the matrix, writes it and reports on it.
 pub fn run(args: &FormFactorsVerb, global: GlobalArgs, start: Instant) -> Result<(), Failure> {
-    if let Some((option, methods)) = args.factors.misplaced() {
-        return Err(Failure::Usage(format!(
-            "{option} is for --method {methods}, not {}; leave one of them out",
-            args.factors.kind().name()
-        )));
+    if let Some(what) = args.factors.misplaced() {
+        return Err(Failure::Usage(what));
     }
     let target = args
         .output
@@ -47,7 +44,11 @@ pub fn run(args: &FormFactorsVerb, global: GlobalArgs, start: Instant) -> Result
         .transpose()?;
     interrupt::listen();
     let scene = Arc::new(Input::open(&args.scene)?.into_scene(&args.scene_options)?);
-    let mesh = Arc::new(PatchMesh::build(scene, args.factors.mesh())?);
+    let mesh = PatchMesh::build_until(scene, args.factors.mesh(), &interrupt::asked);
+    let mesh = Arc::new(mesh.map_err(|error| match error {
+        RadiosityError::Stopped(_) => Failure::Interrupted,
+        error => error.into(),
+    })?);
     let computed = Computed::new(args, target.as_ref(), mesh, global, start)?;
     computed.advise(global);
     if let Some(target) = &target {
@@ -63,6 +64,7 @@ pub fn run(args: &FormFactorsVerb, global: GlobalArgs, start: Instant) -> Result
     let mut text = computed.text();
     match &*files {
         [] if computed.matrix.size() <= PRINTED => text.push_str(&computed.table()),
+        [] if global.quiet => {}
         [] => {
             text.push_str("no file   the factors are written with -o F.csv, .npy, .mtx or .out\n");
         }
@@ -85,7 +87,9 @@ struct Computed {
     error: f64,
     rays: u64,
     sampled_pairs: u64,
-    corrected: bool,
+    /// What the correction changed, if there was one.
+    change: Option<Change>,
+    overlaps: Vec<Overlap>,
     seconds: f64,
 }
 
@@ -133,12 +137,17 @@ impl Computed {
         if interrupt::asked() {
             return Err(Failure::Interrupted);
         }
+        let (matrix, change) = if corrected {
+            let after = matrix.enclosure_corrected();
+            let change = after.change_from(&matrix);
+            (after, Some(change))
+        } else {
+            (matrix, None)
+        };
         Ok(Self {
-            matrix: if corrected {
-                matrix.enclosure_corrected()
-            } else {
-                matrix
-            },
+            matrix,
+            change,
+            overlaps: surfaces.overlaps(&mesh),
             rays: way.rays(),
             sampled_pairs: way.sampled_pairs(),
             mesh,
@@ -148,7 +157,6 @@ impl Computed {
             rays_per_hemisphere: options.raycast.rays,
             seed: options.raycast.seed,
             error: options.analytic.error,
-            corrected,
             seconds: start.elapsed().as_secs_f64(),
         })
     }
@@ -184,7 +192,7 @@ impl Computed {
             );
         }
         let (lost, most) = self.lost();
-        if self.corrected && lost > LEAK {
+        if self.change.is_some() && lost > SEAM {
             note(
                 global,
                 &format!(
@@ -210,7 +218,7 @@ impl Computed {
         let emissivities = self.surfaces.emissivities(&self.mesh);
         let facts = View3dFacts {
             emissivities: &emissivities,
-            enclosure: self.corrected,
+            enclosure: self.change.is_some(),
         };
         target.write_with(|out| match () {
             () if target.ends_in("npy") => view_factors::npy(&self.matrix, out),
@@ -253,7 +261,11 @@ sky       {} of all, at most {} of '{}'
             self.way(),
             self.seconds,
             error(facts.closure_error),
-            if self.corrected { ", corrected" } else { "" },
+            if self.change.is_some() {
+                ", corrected"
+            } else {
+                ""
+            },
             error(facts.reciprocity_error),
             name(facts.worst_pair[0]),
             name(facts.worst_pair[1]),
@@ -264,6 +276,17 @@ sky       {} of all, at most {} of '{}'
             percent(facts.sky.most),
             name(facts.sky.row),
         );
+        if let Some(change) = &self.change {
+            let _ = writeln!(
+                text,
+                "changed   by at most {} ('{}' to '{}'), RMS {}, the sky by at most {}",
+                error(change.largest),
+                name(change.row),
+                name(change.column),
+                error(change.rms),
+                error(change.sky)
+            );
+        }
         for (label, share) in [("backs", &facts.absorbed), ("panes", &facts.transmitted)] {
             if share.most > 0.0 {
                 let _ = writeln!(
@@ -281,7 +304,31 @@ sky       {} of all, at most {} of '{}'
     fn warnings(&self) -> Warnings {
         let mut warnings = Warnings::of_scene(self.mesh.scene());
         warnings.extend(self.mesh.report());
+        warnings.extend(&self.overlap_report());
         warnings
+    }
+
+    /// Surfaces that lie in one place: rows that see them sum to more than 1 there.
+    fn overlap_report(&self) -> ImportReport {
+        let mut report = ImportReport::default();
+        for overlap in &self.overlaps {
+            let [a, b] = overlap.surfaces.map(|i| self.name(i));
+            let place = if a == b {
+                format!("'{a}' upon itself")
+            } else {
+                format!("'{a}' and '{b}'")
+            };
+            let area = area(overlap.area);
+            report.warn(
+                place,
+                format!(
+                    "face the same way in one place over an area of {}, where both are seen, so rows sum to more than 1; \
+                     move one away, leave it out, or in .vs3 make one the base of the other",
+                    area.trim()
+                ),
+            );
+        }
+        report
     }
 
     /// The matrix for people: columns by the numbers of the rows.
@@ -337,7 +384,14 @@ sky       {} of all, at most {} of '{}'
             "rays": self.rays,
             "sampled_pairs": self.sampled_pairs,
             "elements": self.mesh.elements().len(),
-            "corrected": self.corrected,
+            "corrected": self.change.is_some(),
+            "correction": self.change.map(|change| json!({
+                "largest": change.largest, "from": self.name(change.row), "to": self.name(change.column),
+                "rms": change.rms, "sky": change.sky,
+            })),
+            "overlaps": self.overlaps.iter().map(|overlap| json!({
+                "between": overlap.surfaces.map(|i| self.name(i)), "area": overlap.area,
+            })).collect::<Vec<_>>(),
             "closure_error": facts.closure_error,
             "reciprocity_error": { "error": facts.reciprocity_error, "between": facts.worst_pair.map(|i| self.name(i)) },
             "largest": { "factor": facts.largest_factor, "from": self.name(facts.largest_pair[0]), "to": self.name(facts.largest_pair[1]) },
@@ -485,4 +539,41 @@ fn memory(corrected: bool) -> MatrixOptions {
         options.memory_limit = usize::try_from(bytes).unwrap_or(usize::MAX);
     }
     options
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn files_of_every_factor_are_refused_if_memory_has_no_room() {
+        let folder = tempfile::tempdir().expect("a folder for a test");
+        for ending in ENDINGS {
+            let path = folder.path().join(format!("F.{ending}"));
+            let target = Target::check(Path::new(&path), ENDINGS).expect("it can be written");
+            let refused = |n, by| refuse_large_file(&target, n, by, 1 << 20);
+            assert!(refused(512, SurfacesBy::Face).is_ok(), "1 MiB fits");
+            let error = refused(280_000, SurfacesBy::Face);
+            if *ending == "mtx" {
+                assert!(error.is_ok(), "zeros are left out");
+                continue;
+            }
+            let message = error.expect_err("300 GB do not fit");
+            let message = message.message().expect("words");
+            for part in [
+                "280,000 x 280,000",
+                "299,073 MiB",
+                "1 MiB are free",
+                "--by object",
+            ] {
+                assert!(message.contains(part), "'{part}' is not in {message}");
+            }
+            let objects = refused(280_000, SurfacesBy::Object).expect_err("nor then");
+            assert!(
+                !objects.message().expect("words").contains("--by"),
+                "{objects:?}"
+            );
+        }
+    }
 }

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::input::read;
 use crate::output::{Target, print, print_json};
 use crate::progress::Bar;
-use crate::report::{grouped, irradiance_unit};
+use crate::report::{counted, irradiance_unit};
 use hemicube::radiosity::{GatherOptions, Gatherer, Solution};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -89,13 +89,13 @@ fn summary(values: &[Measured], target: &Target) -> String {
     let remark = match dark {
         0 => String::new(),
         _ => format!(
-            "dark      {} points get no light at all: inside an object, or their normals point the wrong way\n",
-            grouped(dark as u64)
+            "dark      {} without any light: inside an object, or normals that point the wrong way\n",
+            counted(dark as u64, "point")
         ),
     };
     format!(
-        "measured  {} points\nlux       mean {mean:.1}, from {least:.1} to {most:.1}, uniformity (least / mean) {uniformity:.2}\n{remark}wrote     {}\n",
-        grouped(values.len() as u64),
+        "measured  {}\nlux       mean {mean:.1}, from {least:.1} to {most:.1}, uniformity (least / mean) {uniformity:.2}\n{remark}wrote     {}\n",
+        counted(values.len() as u64, "point"),
         target.path.display()
     )
 }

@@ -11,11 +11,11 @@ pub mod render;
 pub mod scenes;
 pub mod solve;
 
-use crate::args::{GlobalArgs, SceneArgs, SolveArgs};
+use crate::args::{GlobalArgs, MeshArgs, SceneArgs, SolveArgs};
 use crate::failure::Failure;
 use crate::input::Input;
 use crate::solving::{Stop, Watch, percent};
-use hemicube::radiosity::Solution;
+use hemicube::radiosity::{Solution, SolveOptions};
 use hemicube::scene::Scene;
 use std::path::Path;
 use std::time::Instant;
@@ -27,6 +27,14 @@ const UNFINISHED: f64 = 0.01;
 fn note(global: GlobalArgs, text: &str) {
     if !global.quiet {
         eprintln!("hemicube: note: {}", crate::failure::one_line(text));
+    }
+}
+
+/// Refuses options of other ways to form factors than the one in use.
+fn refuse_misplaced(mesh: &MeshArgs, options: &SolveOptions, scene: &Scene) -> Result<(), Failure> {
+    match mesh.misplaced(options.form_factors, scene) {
+        Some(what) => Err(Failure::Usage(what)),
+        None => Ok(()),
     }
 }
 
@@ -55,7 +63,9 @@ fn solution_of(
         input => {
             let scene = input.into_scene(scene)?;
             check(&scene)?;
-            let solved = Watch::new(solve, global.quiet, start).solve(scene, solve.options())?;
+            let options = solve.options();
+            refuse_misplaced(&solve.mesh, &options, &scene)?;
+            let solved = Watch::new(solve, global.quiet, start).solve(scene, options)?;
             if solved.stop == Stop::Time {
                 note(global, "time is up before the light is finished");
             }

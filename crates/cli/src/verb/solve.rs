@@ -1,6 +1,6 @@
 //! `hemicube solve`: from a scene to its light.
 
-use super::note;
+use super::{note, refuse_misplaced};
 use crate::args::{GlobalArgs, SolveVerb};
 use crate::failure::Failure;
 use crate::history;
@@ -65,12 +65,17 @@ fn solve(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<Solved,
         }
         let scene = input.into_scene(&args.scene_options)?;
         picture::check(&scene, &args.picture)?;
-        return watch.solve(scene, args.solve.options());
+        let options = args.solve.options();
+        refuse_misplaced(&args.solve.mesh, &options, &scene)?;
+        return watch.solve(scene, options);
     };
     refuse_changes(args, lit)?;
     let solution = Input::open_lit(lit)?;
     picture::check(solution.mesh().scene(), &args.picture)?;
     let options = args.solve.options_to_resume(&solution.provenance);
+    if let Some(what) = args.solve.mesh.misplaced_in_steps(options.form_factors) {
+        return Err(Failure::Usage(what));
+    }
     let unshot = solution.unshot_fraction();
     if unshot <= options.tolerance {
         let (unshot, tolerance) = (percent(unshot), options.tolerance);

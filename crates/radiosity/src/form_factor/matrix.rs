@@ -6,6 +6,7 @@ mod fill;
 mod plan;
 mod summed;
 
+pub use enclosure::{Change, SEAM};
 pub use entries::Entries;
 pub(crate) use plan::MatrixPlan;
 

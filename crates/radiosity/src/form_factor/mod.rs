@@ -24,7 +24,7 @@ pub use kind::{FormFactorKind, FormFactorOptions};
 pub use matrix::{MatrixOptions, Storage, ViewFactorMatrix};
 pub use nusselt_rows::{Nusselt, NusseltOptions};
 pub use raycast::{RayCast, RayCastOptions};
-pub use surfaces::{Surfaces, SurfacesBy};
+pub use surfaces::{Overlap, Surfaces, SurfacesBy};
 
 use crate::patch::{NodeId, PatchMesh};
 use crate::stop::Stop;

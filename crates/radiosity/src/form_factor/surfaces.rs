@@ -1,6 +1,9 @@
 //! What the rows of a matrix stand for: faces or objects of the scene, under the names that their maker gave them.
 
 mod contacts;
+mod overlaps;
+
+pub use overlaps::Overlap;
 
 use crate::form_factor::matrix::patch_area;
 use crate::patch::face::Side;
@@ -118,6 +121,12 @@ impl Surfaces {
     /// Names of the surfaces that lie inside solids wherever they were probed and that therefore are left out.
     pub fn buried(&self) -> &[String] {
         &self.buried
+    }
+
+    /// Surfaces that lie in one place and face the same way, the largest overlap first. Each hides nothing of the other,
+    /// so both get the light that arrives there, and rows sum to more than 1. Back to back is no overlap.
+    pub fn overlaps(&self, mesh: &PatchMesh) -> Vec<Overlap> {
+        overlaps::find(mesh, self)
     }
 
     /// Exchange areas `A_i F_ij` with surfaces that lie on one another: row, column and area, both ways, rows ascending.

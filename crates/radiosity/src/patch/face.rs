@@ -1,6 +1,7 @@
 //! Faces of the scene in the world: what is left when instances, mirrors, flips and triangle pairs are resolved.
 
 use glam::{Vec2, Vec3, Vec4};
+use hemicube_scene::report::counted;
 use hemicube_scene::{Face, ImportReport, Instance, Mesh, Scene, SurfaceSample};
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
@@ -145,7 +146,10 @@ pub fn world_faces(scene: &Scene, report: &mut ImportReport) -> Vec<WorldFace> {
         if copies > 0 {
             report.warn(
                 format!("node '{}'", instance.node),
-                format!("{copies} faces lie upon others of the same material; left out"),
+                format!(
+                    "{} upon others of the same material; left out",
+                    counted(copies, "face")
+                ),
             );
         }
     }

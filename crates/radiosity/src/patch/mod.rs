@@ -17,6 +17,7 @@ use crate::stop::{NEVER, Stop};
 use crate::visibility::Visibility;
 use glam::Vec3;
 use hemicube_raster::Rgb;
+use hemicube_scene::report::counted;
 use hemicube_scene::{ImportReport, Scene};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -616,7 +617,8 @@ impl PatchMesh {
             .count();
         if clamped > 0 {
             let what = format!(
-                "{clamped} elements reflect {lowered} after their reflectance was lowered to it"
+                "the reflectance of {} was lowered to {lowered}",
+                counted(clamped, "element")
             );
             self.report.warn("reflectance", what);
         }

@@ -83,8 +83,10 @@ impl<'a> OnMatrix<'a> {
     ) -> Result<Self, NotStarted> {
         let mesh = solution.mesh().clone();
         let (count, patches) = (solution.groups().len() * BANDS, mesh.patches().len());
-        let plan = MatrixPlan::new(factors, options)?;
-        kind.refuse_memory(patches, plan.bytes(), count, options.memory_limit)?;
+        let limit = options.memory_limit;
+        let plan = MatrixPlan::new(factors, options)
+            .map_err(|error| kind.refusal(error, patches, count, limit))?;
+        kind.refuse_memory(patches, plan.bytes(), count, limit)?;
         let Some(matrices) = ViewFactorMatrix::build_as(factors, plan, stop)? else {
             return Err(NotStarted::Stopped(Box::new(solution)));
         };

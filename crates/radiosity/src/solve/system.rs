@@ -247,13 +247,38 @@ impl MatrixSolverKind {
         } else {
             "or a solver that shoots, which needs no matrix"
         };
-        Err(RadiosityError::Option(format!(
+        Err(self.too_large(n, needed, limit, advice))
+    }
+
+    /// Why the matrices do not fit: if not even what the solver takes besides them does, that is what is told.
+    pub(crate) fn refusal(
+        self,
+        matrices: RadiosityError,
+        n: usize,
+        channels: usize,
+        limit: usize,
+    ) -> RadiosityError {
+        let alone = self.extra_bytes(n, 0, channels);
+        if self != Self::Gauss || alone <= limit {
+            // The others take next to nothing besides, or as much as the matrices.
+            return matrices;
+        }
+        self.too_large(
+            n,
+            alone,
+            limit,
+            "or a solver that shoots, which needs no matrix",
+        )
+    }
+
+    fn too_large(self, n: usize, needed: usize, limit: usize, advice: &str) -> RadiosityError {
+        RadiosityError::Option(format!(
             "solver {} on {n} patches takes about {} MiB, {} MiB are allowed; use at most {} patches, {advice}",
             self.name(),
             (needed >> 20) + 1,
             limit >> 20,
             fitting(n, needed, limit),
-        )))
+        ))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::probe::Probe;
 use crate::failure::one_line;
-use crate::report::{Warnings, factors, grouped};
+use crate::report::{Warnings, counted, counted_patches, factors, grouped};
 use crate::solving::percent;
 use glam::Vec3;
 use hemicube::radiosity::patch::NodeKind;
@@ -137,11 +137,14 @@ impl Facts {
         let _ = writeln!(text, "scene     {} ({})", one_line(&self.name), self.units);
         let _ = writeln!(
             text,
-            "geometry  {} meshes, {} instances, {} faces, {} textures",
-            grouped(self.meshes as u64),
-            grouped(self.instances as u64),
-            grouped(self.faces as u64),
-            self.textures
+            "geometry  {}, {}, {}, {}",
+            match self.meshes {
+                1 => String::from("1 mesh"),
+                n => format!("{} meshes", grouped(n as u64)),
+            },
+            counted(self.instances as u64, "instance"),
+            counted(self.faces as u64, "face"),
+            counted(self.textures as u64, "texture")
         );
         if let Some([low, high]) = self.bounds {
             let _ = writeln!(
@@ -181,9 +184,9 @@ impl Facts {
         };
         let _ = writeln!(
             text,
-            "mesh      {} elements, {} patches{whose}; lit area {}",
-            grouped(mesh.elements as u64),
-            grouped(mesh.patches as u64),
+            "mesh      {}, {}{whose}; lit area {}",
+            counted(mesh.elements as u64, "element"),
+            counted_patches(mesh.patches),
             short(mesh.area),
         );
         let _ = writeln!(
@@ -202,7 +205,7 @@ impl Facts {
         let from = &solution.provenance;
         let _ = writeln!(
             text,
-            "solution  {}, {}, seed {}: {} steps, {} rays, {:.1} s; {} unshot",
+            "solution  {}, {}, seed {}: {}, {}, {:.1} s; {} unshot",
             one_line(&from.solver),
             factors(
                 &from.form_factors,
@@ -210,8 +213,8 @@ impl Facts {
                 from.hemicube_resolution
             ),
             from.seed,
-            grouped(from.steps),
-            grouped(from.rays),
+            counted(from.steps, "step"),
+            counted(from.rays, "ray"),
             from.seconds,
             percent(solution.unshot_fraction)
         );
@@ -241,9 +244,9 @@ impl Facts {
             let name = one_line(&material.name);
             let _ = writeln!(
                 text,
-                "light     material '{name}' {} {radiance} on {} faces",
+                "light     material '{name}' {} {radiance} on {}",
                 rgb(material.emission),
-                material.faces
+                counted(material.faces as u64, "face")
             );
         }
         if self.sky.max_band() > 0.0 {

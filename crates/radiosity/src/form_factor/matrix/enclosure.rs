@@ -3,14 +3,70 @@
 use super::{ViewFactorMatrix, ratio, to_f32};
 use rayon::prelude::*;
 
+/// Share of a row that an enclosure without an opening may lose through its seams.
+pub const SEAM: f64 = 1e-3;
+
+/// How much a correction changed factors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Change {
+    /// The largest change of a factor.
+    pub largest: f64,
+    /// Row of that factor.
+    pub row: usize,
+    /// Column of that factor.
+    pub column: usize,
+    /// Root of the mean squared change over the factors that are not zero.
+    pub rms: f64,
+    /// The largest change of a row's share of the sky.
+    pub sky: f64,
+}
+
 impl ViewFactorMatrix {
+    /// How far these factors are from those that they were made of by [`Self::enclosure_corrected`].
+    ///
+    /// # Panics
+    /// If the matrices have different sizes.
+    pub fn change_from(&self, before: &Self) -> Change {
+        assert!(
+            self.size() == before.size(),
+            "{} rows are no correction of {}",
+            self.size(),
+            before.size()
+        );
+        let (mut largest, mut at, mut squares, mut count) = (0.0, [0, 0], 0.0, 0_usize);
+        for row in 0..self.size() {
+            // A correction adds entries where only the mirror image was there, and takes none away.
+            for (column, f) in self.entries.row(row) {
+                let was = before.entries.get(row, column);
+                let change = (f64::from(f) - f64::from(was)).abs();
+                count += usize::from(f != 0.0 || was != 0.0);
+                squares += change * change;
+                if change > largest {
+                    (largest, at) = (change, [row, column]);
+                }
+            }
+        }
+        let sky = self.sky.iter().zip(&before.sky);
+        Change {
+            largest,
+            row: at[0],
+            column: at[1],
+            rms: ratio(squares, count as f64).sqrt(),
+            sky: sky.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max),
+        }
+    }
+
     /// The nearest factors that obey both closure and reciprocity.
     ///
     /// Works on exchange areas `X_ij = A_i F_ij`, first made symmetric by the mean of both sides, then changed by the
     /// least weighted squares `Σ ΔX_ij² / X_ij` such that all rows close (after Larsen and Howell 1986; the weights are
     /// those of sampled factors, whose variance grows with the factor). With multipliers λ of the rows that is
-    /// `X_ij (1 + λ_i + λ_j)`, for the sky `S_i (1 + λ_i)`: zeros stay zero, an open share stays in the sky column.
-    /// What became negative is set to zero and all of it repeated. Absorbed and transmitted shares are kept.
+    /// `X_ij (1 + λ_i + λ_j)`, for the sky `S_i (1 + λ_i)`: zeros stay zero. What became negative is set to zero and all
+    /// of it repeated. Absorbed and transmitted shares are kept.
+    ///
+    /// A share of the sky up to [`SEAM`] is what slips through seams, or the method's error, and goes to the surfaces:
+    /// without any opening rows then sum to 1 without the sky, as thermal models want it. More than that is an opening;
+    /// it stays in the sky's column, as little changed as a factor.
     ///
     /// Some enclosures have no such factors (two plates of different size and nothing else): the result is then
     /// reciprocal and as near to closed as the iteration came; `closure_error` tells. It takes the memory of three
@@ -19,6 +75,9 @@ impl ViewFactorMatrix {
         const ROUNDS: usize = 30;
         let mut corrected = self.clone();
         corrected.entries = self.entries.symmetrised(&self.areas);
+        for sky in corrected.sky.iter_mut().filter(|sky| **sky <= SEAM) {
+            *sky = 0.0;
+        }
         let mut best = corrected.clone();
         for _ in 0..ROUNDS {
             let lambda = corrected.multipliers();
@@ -139,13 +198,46 @@ mod tests {
                 "reciprocity {reciprocity:e} with sky {open}"
             );
             corrected.check(1e-6).expect("factors are possible");
-            let change =
-                (0..36).map(|k| (corrected.get(k / 6, k % 6) - noisy.get(k / 6, k % 6)).abs());
+            let changes: Vec<f64> = (0..36)
+                .map(|k| {
+                    f64::from(corrected.get(k / 6, k % 6)) - f64::from(noisy.get(k / 6, k % 6))
+                })
+                .collect();
+            let most = changes.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+            assert!(most < 0.03, "entries change no more than their noise");
+            let told = corrected.change_from(&noisy);
+            assert_eq!(told.largest, most, "the largest change");
+            let there = f64::from(corrected.get(told.row, told.column));
+            let was = f64::from(noisy.get(told.row, told.column));
+            assert_eq!((there - was).abs(), most, "and where it is");
+            // The diagonal is zero and stays so.
+            let rms = (changes.iter().map(|c| c * c).sum::<f64>() / 30.0).sqrt();
             assert!(
-                change.fold(0.0, f32::max) < 0.03,
-                "entries change no more than their noise"
+                (told.rms - rms).abs() < 1e-12,
+                "RMS {}, not {rms}",
+                told.rms
+            );
+            assert_eq!(
+                told.sky > 0.0,
+                open > 0.0,
+                "the sky's column is changed if there is one"
             );
         }
+    }
+
+    #[test]
+    fn what_slips_through_seams_goes_to_the_surfaces() {
+        let mut leaky = noisy_cube(0.0);
+        leaky.sky = vec![SEAM; 6];
+        leaky.sky[5] = 0.2;
+        let corrected = leaky.enclosure_corrected();
+        assert_eq!(corrected.sky[..5], [0.0; 5], "seams are closed");
+        assert!(
+            corrected.sky[5] > 0.15,
+            "an opening stays open: {:?}",
+            corrected.sky
+        );
+        assert!(corrected.closure_error() < 1e-6, "rows sum to 1");
     }
 
     fn two_plates(areas: [f64; 2], there: f64, back: f64) -> ViewFactorMatrix {

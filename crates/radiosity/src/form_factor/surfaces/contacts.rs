@@ -3,6 +3,7 @@
 
 use super::SurfacesBy;
 use crate::patch::PatchMesh;
+use glam::DVec3;
 use hemicube_scene::Mask;
 use std::collections::HashMap;
 
@@ -55,19 +56,18 @@ fn covering_nodes(mesh: &PatchMesh) -> HashMap<&str, (f64, usize)> {
         let face = &mesh.faces()[face as usize];
         let node = mesh.scene().instances[face.instance as usize].node.as_str();
         let (area, _) = nodes.entry(node).or_insert((0.0, face.material as usize));
-        *area += area_of(face.polygon().iter().map(|corner| corner.as_dvec3()));
+        let corners: Vec<DVec3> = face.polygon().iter().map(|c| c.as_dvec3()).collect();
+        *area += 0.5 * doubled_area(&corners).length();
     }
     nodes
 }
 
-/// Area of a flat polygon.
-fn area_of(corners: impl Iterator<Item = glam::DVec3>) -> f64 {
-    let corners: Vec<glam::DVec3> = corners.collect();
-    let doubled: glam::DVec3 = corners
+/// Twice the vector area of a flat polygon: from its direction the corners run counter-clockwise.
+pub(super) fn doubled_area(corners: &[DVec3]) -> DVec3 {
+    corners
         .windows(2)
         .map(|pair| (pair[0] - corners[0]).cross(pair[1] - corners[0]))
-        .sum();
-    0.5 * doubled.length()
+        .sum()
 }
 
 fn reflectance(mesh: &PatchMesh, material: usize) -> f64 {
