@@ -21,7 +21,7 @@
 //! 4. The triangle is solved for many columns; its inverse turns that into products, too. Multipliers are at most 1, and
 //!    the inverse of so small a triangle as exact as its solution.
 //! 5. What a core can do at most is 58 GFLOP/s on the machine where this was measured; of that it reaches 50 % at 1000
-//!    patches, 60 % at 2000 and 64 % at 4000 (CPU time of both threads, matrix and right sides included). Panels of 64
+//!    patches, 60 % at 2000 and 64 % at 4000 (CPU time of one thread, matrix and right sides included). Panels of 64
 //!    columns in one piece with 8 rows to a block reached 30, 50 and 33 %; the `faer` crate (0.24) reaches 52, 58 and 68 %.
 //! 6. Strips have a fixed width whatever the number of threads, so that the same bits come out.
 
