@@ -9,7 +9,7 @@ use hemicube_radiosity::{Solution, SolveOptions, solve};
 use hemicube_raster::{Image, Rgb};
 use hemicube_render::{RenderOptions, Shading};
 use hemicube_scene::builtin::SceneBuilder;
-use hemicube_scene::{Material, Relief, ReliefKind, Scene, TextureSlot, Units, Wrap};
+use hemicube_scene::{Camera, Material, Relief, ReliefKind, Scene, TextureSlot, Units, Wrap};
 use std::sync::Arc;
 
 /// A square, white in texture terms, with a picture as its relief, and whatever else.
@@ -139,6 +139,47 @@ fn slopes_that_face_the_lamp_are_brighter() {
     let image = picture(&solution, &from_above(), &plain(16));
     let flat: f32 = (0..16).map(|y| image.pixel(7, y).g).sum::<f32>() / 16.0;
     assert!(sum < 0.9 * flat, "{sum} of {flat}");
+}
+
+/// A lamp at the upper edge lights what leans up in the picture, on mirrored instances too; from behind bumps are dents.
+#[test]
+fn up_in_the_picture_is_up_in_the_world() {
+    let sun = |to_light: Vec3| hemicube_scene::Light {
+        name: String::from("sun"),
+        kind: hemicube_scene::LightKind::Directional {
+            direction: -to_light.normalize(),
+            irradiance: Rgb::splat(3.0),
+        },
+    };
+    let light = |y: f32, mirrored: bool, behind: bool| {
+        let texel = texel(Vec3::new(0.0, y, 1.0));
+        let mut scene = with_relief(Image::filled(4, 4, texel), NORMALS, &[]);
+        scene.materials[0].double_sided = true;
+        if mirrored {
+            let flip = glam::Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+            scene.instances[0].world_from_mesh = flip;
+        }
+        let side = if behind { -1.0 } else { 1.0 };
+        scene.lights.push(sun(Vec3::new(0.0, 0.6, side)));
+        let camera = if behind {
+            Camera {
+                forward: Vec3::Z,
+                eye: Vec3::Z * -5.0,
+                ..from_above()
+            }
+        } else {
+            from_above()
+        };
+        let solution = solved(scene);
+        let image = picture(&solution, &camera, &plain(4));
+        image.pixel(2, 2).g
+    };
+    for mirrored in [false, true] {
+        let [flat, up, down] = [0.0, 0.4, -0.4].map(|y| light(y, mirrored, false));
+        assert!(up > 1.08 * flat && down < 0.8 * flat, "{up} {flat} {down}");
+        let [flat, up, down] = [0.0, 0.4, -0.4].map(|y| light(y, mirrored, true));
+        assert!(down > 1.08 * flat && up < 0.8 * flat, "{up} {flat} {down}");
+    }
 }
 
 /// The approximation that is stated: fitted at vertices against gathered at each point.
