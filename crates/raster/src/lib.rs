@@ -9,9 +9,14 @@
 //! sRGB, OpenEXR in linear light). Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
 #![forbid(unsafe_code)]
 
+pub mod circle;
 pub mod clip;
 pub mod color;
+pub mod ellipse;
 pub mod image;
+pub mod line;
+pub mod polygon;
+pub mod target;
 pub mod tonemap;
 pub mod triangle;
 
