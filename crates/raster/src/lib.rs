@@ -16,6 +16,7 @@ pub mod ellipse;
 pub mod image;
 pub mod line;
 pub mod polygon;
+pub mod stroke;
 pub mod target;
 pub mod tonemap;
 pub mod triangle;

@@ -12,9 +12,9 @@
 //! pixel along it exactly once.
 //!
 //! # Current state
-//! Coordinates are f64 and are not snapped, those of [`triangle`](crate::triangle) are to 1/256 of a pixel. A crossing
-//! is rounded: its error is some 2^-52 of the largest coordinate of its edge. A polygon with a coordinate that is not
-//! finite is not drawn. Nothing here panics.
+//! Coordinates are f64 and are not snapped, as those of [`triangle`](crate::triangle) are to 1/256 of a pixel. A crossing
+//! is rounded, with an error of some 2^-52 of the largest coordinate of its edge; multiples of 1/256 up to 2^18 are
+//! filled as exact arithmetic has it. A polygon with a coordinate that is not finite is not drawn. Nothing here panics.
 
 use crate::target::Target;
 use glam::DVec2;
@@ -84,7 +84,8 @@ pub fn fill_polygon<C>(
             active.push(edge);
         }
         active.iter_mut().for_each(|edge| edge.cross(row));
-        sort_by_crossing(&mut active);
+        // From one row to the next few edges change places, which this sort is quick at.
+        active.sort_by(|a, b| a.x.total_cmp(&b.x));
         draw_row(target, &active, rule, row);
         row += 1;
         active.retain(|edge| edge.end_row > row);
@@ -113,7 +114,10 @@ impl Rows {
 }
 
 /// A whole number moved between two others.
-#[expect(clippy::cast_possible_truncation, reason = "between two 32-bit numbers")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "between two 32-bit numbers"
+)]
 fn clamped(number: f64, low: i32, high: i32) -> i32 {
     number.max(f64::from(low)).min(f64::from(high)) as i32
 }
@@ -122,8 +126,8 @@ fn clamped(number: f64, low: i32, high: i32) -> i32 {
 #[derive(Debug, Clone, Copy)]
 struct Edge {
     upper: DVec2,
-    /// Change of x for each row.
-    slope: f64,
+    /// Half of what its lower end is off the upper one.
+    half: DVec2,
     /// The smaller and the larger x of its ends.
     x_range: [f64; 2],
     first_row: i32,
@@ -146,10 +150,10 @@ impl Edge {
         let [first_row, end_row] = [upper.y, lower.y].map(|y| rows.first_from(y));
         (first_row < end_row).then(|| {
             // Halves, because the difference of two finite numbers may not be finite.
-            let [dx, dy] = (lower * 0.5 - upper * 0.5).to_array();
+            let half = lower * 0.5 - upper * 0.5;
             Self {
                 upper,
-                slope: dx / dy,
+                half,
                 x_range: [upper.x.min(lower.x), upper.x.max(lower.x)],
                 first_row,
                 end_row,
@@ -161,8 +165,10 @@ impl Edge {
 
     fn cross(&mut self, row: i32) {
         let centre = f64::from(row) + 0.5;
-        let x = self.upper.x + (centre - self.upper.y) * self.slope;
-        // Rounding must not carry it beyond its ends; a slope that is not finite neither.
+        // Divided last: where coordinates have few digits, nothing but the quotient is rounded, and a crossing exactly
+        // at a pixel's centre is found there.
+        let x = self.upper.x + (centre - self.upper.y) * self.half.x / self.half.y;
+        // Rounding must not carry it beyond its ends, nor a product that overflows.
         self.x = x.max(self.x_range[0]).min(self.x_range[1]);
     }
 }
@@ -188,17 +194,6 @@ where
         }
     }
     Some(edges)
-}
-
-/// Sorts by insertion: from one row to the next hardly any edges change places.
-fn sort_by_crossing(active: &mut [Edge]) {
-    for i in 1..active.len() {
-        let mut j = i;
-        while j > 0 && active[j].x < active[j - 1].x {
-            active.swap(j, j - 1);
-            j -= 1;
-        }
-    }
 }
 
 /// Draws the spans between edges sorted by their crossings.

@@ -64,16 +64,10 @@ fn ellipse(a: i32, b: i32) -> Pixels {
     let corner = a_.hypot(b_);
     let mut four = |x: i32, y: i32| pixels.extend([[x, y], [-x, y], [x, -y], [-x, -y]]);
     for x in (0..=a).filter(|&x| f64::from(x) <= a_ * a_ / corner) {
-        four(
-            x,
-            rounded(b_ * (1.0 - (f64::from(x) / a_).powi(2)).sqrt()),
-        );
+        four(x, rounded(b_ * (1.0 - (f64::from(x) / a_).powi(2)).sqrt()));
     }
     for y in (0..=b).filter(|&y| f64::from(y) <= b_ * b_ / corner) {
-        four(
-            rounded(a_ * (1.0 - (f64::from(y) / b_).powi(2)).sqrt()),
-            y,
-        );
+        four(rounded(a_ * (1.0 - (f64::from(y) / b_).powi(2)).sqrt()), y);
     }
     pixels
 }

@@ -12,7 +12,8 @@
 //! | [`Bresenham`] | a comparison, one or two additions | an integer error term, exact |
 //!
 //! Each is an iterator of [`Step`]s that tells with each pixel the true point and the term it decides by, for lessons
-//! and for tests. [`draw_line`] draws Bresenham's pixels fast, [`draw_dashed_line`] those of dashes.
+//! and for tests. [`draw_line`] draws Bresenham's pixels fast, [`draw_dashed_line`] those of dashes, and
+//! [`antialiased`] covers pixels by the exact area of a line of any width.
 //!
 //! All of them clip before they step: any coordinates of 32 bits can be given, no time is spent outside of the window,
 //! and the pixels inside are those of the whole line.
@@ -21,6 +22,7 @@
 //! [`Equation`] and [`Dda`] differ from [`Bresenham`] only where the true line passes exactly between two pixels and
 //! rounding takes the other one. Nothing here panics or overflows.
 
+pub mod antialiased;
 mod bresenham;
 mod dashed;
 mod dda;

@@ -1,0 +1,228 @@
+//! Coverage of pixels by a strip between two parallel edges, in closed form.
+
+use super::{clamped, narrow};
+use crate::stroke::Bar;
+use core::ops::Range;
+use glam::DVec2;
+
+/// What a bar looks like from its middle: two parallel edges without ends.
+pub(super) struct Strip {
+    /// Across the strip.
+    normal: DVec2,
+    /// A point in its middle.
+    origin: DVec2,
+    half: f64,
+    edge: EdgeProfile,
+    /// The sides on which it is, one next to the other.
+    sides: [HalfPlane; 2],
+    /// What ends it.
+    ends: Vec<HalfPlane>,
+    /// Rows in which no pixel that it touches sees an end.
+    free_rows: Range<i32>,
+}
+
+/// The points with `normal · p >= offset`.
+#[derive(Debug, Clone, Copy)]
+struct HalfPlane {
+    normal: DVec2,
+    offset: f64,
+    /// `1 / normal.x`, or 0.
+    inverse: f64,
+}
+
+impl HalfPlane {
+    fn through(point: DVec2, normal: DVec2) -> Self {
+        Self {
+            normal,
+            offset: normal.dot(point),
+            inverse: if normal.x == 0.0 { 0.0 } else { 1.0 / normal.x },
+        }
+    }
+
+    /// How far from the edge the centre of a pixel is whose corner lies on it.
+    fn footprint(&self) -> f64 {
+        0.5 * (self.normal.x.abs() + self.normal.y.abs())
+    }
+
+    /// The interval of columns of a row whose pixels' centres are inside by a margin.
+    #[inline(always)]
+    fn columns(&self, row_centre: f64, margin: f64) -> [f64; 2] {
+        let missing = margin + self.offset - self.normal.y * row_centre;
+        let x = missing * self.inverse - 0.5;
+        if self.normal.x > 0.0 {
+            [x, f64::INFINITY]
+        } else if self.normal.x < 0.0 {
+            [f64::NEG_INFINITY, x]
+        } else if missing <= 0.0 {
+            [f64::NEG_INFINITY, f64::INFINITY]
+        } else {
+            [f64::INFINITY, f64::NEG_INFINITY]
+        }
+    }
+}
+
+/// The share of a unit square on one side of a straight edge, as a function of the centre's distance from it.
+#[derive(Debug, Clone, Copy)]
+struct EdgeProfile {
+    /// Up to this distance the edge runs through two opposite sides: `(a - b) / 2`.
+    middle: f32,
+    /// The smaller component of the normal.
+    b: f32,
+    /// `1 / a`
+    per_a: f32,
+    /// `1 / (2 a b)`
+    per_2ab: f32,
+}
+
+impl EdgeProfile {
+    fn new(normal: DVec2) -> Self {
+        let (x, y) = (normal.x.abs(), normal.y.abs());
+        let (a, b) = (x.max(y), x.min(y));
+        // Below, the corner's part of at most b / 2a is not to be seen.
+        let per_2ab = if b > 1e-7 { 1.0 / (2.0 * a * b) } else { 0.0 };
+        Self {
+            middle: narrow(0.5 * (a - b)),
+            b: narrow(b),
+            per_a: narrow(1.0 / a),
+            per_2ab: narrow(per_2ab),
+        }
+    }
+
+    /// The share of the square that is inside if its centre is so far inside.
+    #[inline(always)]
+    fn share(&self, distance: f32) -> f32 {
+        let short = self.middle - distance.abs();
+        let corner = (short + self.b).max(0.0).min(self.b);
+        let outside = short.max(0.0) * self.per_a + corner * corner * self.per_2ab;
+        // 0 for 1, the sign bit for the other side.
+        0.5 + (0.5 - outside).copysign(distance)
+    }
+}
+
+impl Strip {
+    pub fn new(bar: &Bar, rows: &Range<i32>) -> Self {
+        let normal = bar.direction.perp();
+        let side = normal * bar.half;
+        let mut ends = vec![
+            HalfPlane::through(bar.from, bar.direction),
+            HalfPlane::through(bar.to, -bar.direction),
+        ];
+        let bisectors = [(bar.from, bar.trims[0], 1.0), (bar.to, bar.trims[1], -1.0)];
+        ends.extend(bisectors.into_iter().filter_map(|(at, normal, sign)| {
+            let normal = normal?.try_normalize()?;
+            Some(HalfPlane::through(at, normal * sign))
+        }));
+        let mut strip = Self {
+            normal,
+            origin: bar.from,
+            half: bar.half,
+            edge: EdgeProfile::new(normal),
+            sides: [
+                HalfPlane::through(bar.from - side, normal),
+                HalfPlane::through(bar.from + side, -normal),
+            ],
+            ends,
+            free_rows: 0..0,
+        };
+        strip.free_rows = strip.free_rows(rows);
+        strip
+    }
+
+    /// The rows in which the whole width of the strip, with a pixel around, is between its ends.
+    ///
+    /// The corner of the strip that comes nearest to an end in a row is a point of one of its sides, moved outwards by
+    /// half the diagonal of a pixel; the distance from the end is linear along it.
+    fn free_rows(&self, rows: &Range<i32>) -> Range<i32> {
+        let along = -self.normal.perp();
+        if along.y.abs() < 0.1 {
+            // Of rows as long as this it does not matter.
+            return 0..0;
+        }
+        let mut free = [f64::NEG_INFINITY, f64::INFINITY];
+        for end in &self.ends {
+            let growth = end.normal.dot(along) / along.y;
+            if growth.abs() < 1e-9 {
+                return 0..0;
+            }
+            for outwards in [-1.0, 1.0] {
+                let point = self.origin + self.normal * (outwards * (self.half + 1.0));
+                let missing = end.offset + 1.0 - end.normal.dot(point);
+                let bound = point.y + missing / growth;
+                if growth > 0.0 {
+                    free[0] = free[0].max(bound);
+                } else {
+                    free[1] = free[1].min(bound);
+                }
+            }
+        }
+        let [first, last] = free.map(|y| y - 0.5);
+        clamped(first.ceil(), rows)..clamped(last.floor() + 1.0, rows)
+    }
+
+    /// The columns that are not beside the strip or beyond its ends.
+    #[inline(always)]
+    pub fn touched(&self, row: i32, columns: &Range<i32>) -> Range<i32> {
+        let centre = f64::from(row) + 0.5;
+        let mut interval = [f64::NEG_INFINITY, f64::INFINITY];
+        for side in &self.sides {
+            narrow_interval(&mut interval, side.columns(centre, -side.footprint()));
+        }
+        if !self.free_rows.contains(&row) {
+            for end in &self.ends {
+                narrow_interval(&mut interval, end.columns(centre, -end.footprint()));
+            }
+        }
+        within(interval, columns)
+    }
+
+    /// Those of the columns whose pixels see no end.
+    #[inline(always)]
+    pub fn free(&self, row: i32, touched: &Range<i32>) -> Range<i32> {
+        if self.free_rows.contains(&row) {
+            return touched.clone();
+        }
+        let centre = f64::from(row) + 0.5;
+        let mut interval = [f64::NEG_INFINITY, f64::INFINITY];
+        for end in &self.ends {
+            narrow_interval(&mut interval, end.columns(centre, end.footprint()));
+        }
+        within(interval, touched)
+    }
+
+    /// Adds the coverages of pixels of a row that see no end.
+    #[inline(always)]
+    pub fn add(&self, row: i32, left: i32, sums: &mut [f32]) {
+        let mut column = left;
+        for sums in sums.chunks_mut(LANES) {
+            let centre = DVec2::new(f64::from(column), f64::from(row)) + 0.5 - self.origin;
+            let distance = self.normal.dot(centre);
+            let inside = [distance + self.half, distance - self.half].map(narrow);
+            let step = narrow(self.normal.x);
+            let shares: [f32; LANES] = std::array::from_fn(|lane| {
+                let gone = step * LANE[lane];
+                self.edge.share(inside[0] + gone) - self.edge.share(inside[1] + gone)
+            });
+            for (sum, share) in sums.iter_mut().zip(shares) {
+                *sum += share;
+            }
+            column += 8;
+        }
+    }
+}
+
+/// Pixels at once.
+const LANES: usize = 8;
+
+const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
+#[inline(always)]
+fn narrow_interval(interval: &mut [f64; 2], other: [f64; 2]) {
+    *interval = [interval[0].max(other[0]), interval[1].min(other[1])];
+}
+
+/// The whole numbers of an interval within a range.
+#[inline(always)]
+fn within([low, high]: [f64; 2], range: &Range<i32>) -> Range<i32> {
+    let start = clamped(low.ceil(), range);
+    start..clamped(high.floor() + 1.0, range).max(start)
+}
