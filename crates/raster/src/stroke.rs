@@ -9,8 +9,8 @@
 //! are made that can be seen, with the phase of the whole.
 //!
 //! # Current state
-//! Round joins and caps are polygons within 0.02 pixels of the true arc, up to widths of 10^8. Caps reach no farther than
-//! 65 536 pixels beyond their dash. A path with a coordinate that is not finite, or beyond 1e150, is not drawn. Nothing
+//! Round joins and caps are polygons within 0.02 pixels of the true arc, up to widths of 500 000. Dashes with caps
+//! become a solid stroke where it is more than 100 times wider than their pattern is long. A path with a coordinate that is not finite, or beyond 1e150, is not drawn. Nothing
 //! here panics.
 
 use crate::line::Dashes;
@@ -219,6 +219,19 @@ pub(crate) struct Bar {
 }
 
 impl Bar {
+    /// `None` if it has no area, or if a number's square is not finite.
+    pub fn new(from: DVec2, to: DVec2, width: f64) -> Option<Self> {
+        let is_drawn = is_width(width) && is_near(from) && is_near(to);
+        let direction = (to - from).try_normalize().filter(|_| is_drawn)?;
+        Some(Self {
+            from,
+            to,
+            direction,
+            half: 0.5 * width,
+            trims: [None; 2],
+        })
+    }
+
     pub fn corners(&self) -> [DVec2; 4] {
         let side = self.direction.perp() * self.half;
         [
@@ -232,7 +245,8 @@ impl Bar {
 
 /// The pieces of a stroke that a window shows.
 pub(crate) fn pieces(path: &Path, stroke: &Stroke, window: &Window) -> Vec<Piece> {
-    if !is_drawn(path, stroke.width) || window.is_empty() {
+    let is_drawn = is_width(stroke.width) && path.points.iter().all(|&p| is_near(p));
+    if !is_drawn || window.is_empty() {
         return Vec::new();
     }
     let mut outline = Outline {
@@ -248,11 +262,15 @@ pub(crate) fn pieces(path: &Path, stroke: &Stroke, window: &Window) -> Vec<Piece
     outline.pieces
 }
 
-/// Whether width and coordinates are numbers whose squares are finite.
-fn is_drawn(path: &Path, width: f64) -> bool {
-    const LARGEST: f64 = 1e150;
-    let is_near = |p: &DVec2| p.abs().cmple(DVec2::splat(LARGEST)).all();
-    width > 0.0 && width <= LARGEST && path.points.iter().all(is_near)
+/// The largest numbers whose squares are finite.
+const LARGEST: f64 = 1e150;
+
+fn is_width(width: f64) -> bool {
+    width > 0.0 && width <= LARGEST
+}
+
+fn is_near(point: DVec2) -> bool {
+    point.abs().cmple(DVec2::splat(LARGEST)).all()
 }
 
 /// A straight part of a path.
@@ -284,8 +302,12 @@ impl Segment {
     }
 }
 
-/// The longest way in front of a dash that is looked at.
-const REACH: f64 = 65_536.0;
+/// A window shows fewer dashes of a segment, unless its ends are so far away that nothing is known about it.
+const MOST_DASHES: f64 = 1e6;
+
+/// How many times half the width of a stroke may be longer than the period of dashes with caps. Beyond, the caps run
+/// into each other and leave notches of less than a 20 000th of half the width.
+const FUSED: f64 = 50.0;
 
 /// Pieces on the way.
 struct Outline<'a> {
@@ -305,8 +327,10 @@ struct Course<'a> {
 impl Outline<'_> {
     fn path(&mut self, path: &Path) {
         let segments = path.segments();
+        let is_open = |d: &&Dashes| self.stroke.cap == Cap::Butt || d.period() * FUSED > self.half;
+        let dashes = self.stroke.dashes.as_ref().filter(is_open);
         // Dashes do not run from the end of a closed path into its beginning.
-        let is_round = path.is_closed && self.stroke.dashes.is_none();
+        let is_round = path.is_closed && dashes.is_none();
         let direction = |i: usize| segments.get(i).map(|s| s.direction);
         let last = segments.len().wrapping_sub(1);
         for (i, segment) in segments.iter().enumerate() {
@@ -319,7 +343,7 @@ impl Outline<'_> {
                 }),
                 after: direction(if i == last && is_round { 0 } else { i + 1 }),
             };
-            match &self.stroke.dashes {
+            match dashes {
                 None => self.solid(&course),
                 Some(dashes) => self.dashes(&course, dashes),
             }
@@ -338,7 +362,15 @@ impl Outline<'_> {
         if dashes.intervals(start..start).any(|dash| dash.end > start) {
             self.join(course);
         }
-        let visible = course.segment.beside(self.window, self.half.min(REACH));
+        let reach = if self.stroke.cap == Cap::Butt {
+            0.0
+        } else {
+            self.half
+        };
+        let visible = course.segment.beside(self.window, reach);
+        if visible.end - visible.start > MOST_DASHES * dashes.period() {
+            return;
+        }
         for dash in dashes.intervals(visible) {
             let begins_here = dash.start >= start;
             if begins_here || dash.end > start {
@@ -415,8 +447,12 @@ impl Outline<'_> {
     /// A wedge of a disc around a point, clockwise from `radius` on.
     fn wedge(&mut self, at: DVec2, radius: DVec2, angle: f64) {
         const TOLERANCE: f64 = 0.02;
+        let reach = DVec2::splat(self.half);
+        if !self.is_seen(&[at - reach, at + reach]) {
+            return;
+        }
         let step = 2.0 * (1.0 - TOLERANCE / self.half).max(-0.5).acos();
-        let count = (angle / step).ceil().clamp(1.0, 65_536.0);
+        let count = (angle / step).ceil().clamp(1.0, 4096.0);
         let mut contour = vec![at];
         let mut k = 0.0;
         while k <= count {

@@ -21,7 +21,10 @@
 //! drawn octant by octant, from the first visible step of each to the last.
 //!
 //! # Current state
-//! [`draw_circle`] and [`fill_circle`] have whole pixels as centres and radii of up to 2^31 - 1 pixels. Nothing here panics or overflows.
+//! [`draw_circle`] and [`fill_circle`] have whole pixels as centres and radii of up to 2^31 - 1 pixels; [`antialiased`]
+//! takes any. Nothing here panics or overflows.
+
+pub mod antialiased;
 
 use crate::target::Target;
 use core::ops::Range;

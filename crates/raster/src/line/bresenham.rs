@@ -95,52 +95,68 @@ fn tie(walk: &Walk) -> i64 {
     i64::from(walk.across_step < 0)
 }
 
-/// Steps across after so many steps along, and the error term.
+/// The longest line whose products fit into 64 bits.
+const SHORT: i64 = 1 << 30;
+
+/// `floor(n / d)` and the remainder, in 64 bits where both fit: that is far quicker.
 #[expect(
     clippy::cast_possible_truncation,
-    reason = "at most 2^32 steps, and an error term below twice that"
+    reason = "quotients are steps, at most 2^33, and remainders are below 2^34"
 )]
-fn state(walk: &Walk, step: i64) -> (i64, i64) {
-    let [rise, length, step] = [walk.rise, walk.length, step].map(i128::from);
-    let doubled = 2 * rise * step + length - i128::from(tie(walk));
-    let risen = if length == 0 {
-        0
+#[inline(always)]
+fn divide(walk: &Walk, [a, b, c]: [i64; 3], divisor: i64) -> (i64, i64) {
+    if walk.length < SHORT {
+        let n = 2 * a * b + c;
+        (n.div_euclid(divisor), n.rem_euclid(divisor))
     } else {
-        doubled.div_euclid(2 * length)
-    };
-    let error = doubled + 2 * rise - 2 * length * (risen + 1);
-    (risen as i64, error as i64)
+        let n = 2 * i128::from(a) * i128::from(b) + i128::from(c);
+        let d = i128::from(divisor);
+        (n.div_euclid(d) as i64, n.rem_euclid(d) as i64)
+    }
 }
 
-/// The first step that has risen so far, at least 1, on a line that rises.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "at most 2^64 for 2^33 pixels"
-)]
-fn first_step(walk: &Walk, risen: i64) -> i64 {
-    let [rise, length, risen] = [walk.rise, walk.length, risen].map(i128::from);
-    let doubled = 2 * length * risen - length + i128::from(tie(walk));
-    -((-doubled).div_euclid(2 * rise)) as i64
+/// Steps across after so many steps along, and the error term.
+#[inline(always)]
+fn state(walk: &Walk, step: i64) -> (i64, i64) {
+    let Walk { rise, length, .. } = *walk;
+    let (risen, remainder) = if step == 0 {
+        (0, length - tie(walk))
+    } else {
+        divide(walk, [rise, step, length - tie(walk)], 2 * length)
+    };
+    (risen, remainder + 2 * rise - 2 * length)
+}
+
+/// The first step that has risen so far, at least 1, on a line that rises: `ceil((2 length k - length + tie) / 2 rise)`,
+/// and what rounding has added to it, in units of `1 / (2 rise)`.
+#[inline(always)]
+fn first_step(walk: &Walk, risen: i64) -> (i64, i64) {
+    let divisor = 2 * walk.rise;
+    let rounded_up = divisor - 1 - walk.length + tie(walk);
+    let (step, remainder) = divide(walk, [walk.length, risen, rounded_up], divisor);
+    (step, divisor - 1 - remainder)
 }
 
 /// The steps of a line in a window.
+#[inline(always)]
 pub(super) fn visible(walk: &Walk, window: &Window) -> Range<i64> {
     let [along, rises] = walk.inside(window);
-    if along.is_empty() || rises.is_empty() || window.is_empty() {
+    let mut steps = along;
+    if rises.is_empty() || steps.is_empty() || window.is_empty() {
         return 0..0;
     }
-    let mut steps = along;
     if rises.start > 0 {
-        steps.start = steps.start.max(first_step(walk, rises.start));
+        steps.start = steps.start.max(first_step(walk, rises.start).0);
     }
     if rises.end <= walk.rise {
-        steps.end = steps.end.min(first_step(walk, rises.end));
+        steps.end = steps.end.min(first_step(walk, rises.end).0);
     }
     steps
 }
 
-/// How many times longer than high a line is from which on it is drawn by runs.
+/// How many times longer than high a line is from which on it is drawn by runs, if it is not too short for their setup.
 const FLAT: i64 = 6;
+const LONG: i64 = 48;
 
 /// Draws the pixels of [`Bresenham`]'s line, both ends included, as fast as they can be set.
 pub fn draw_line(target: &mut impl Target, from: IVec2, to: IVec2) {
@@ -155,7 +171,7 @@ pub(super) fn draw_steps(target: &mut impl Target, walk: &Walk, steps: Range<i64
     if steps.is_empty() {
     } else if walk.is_steep {
         draw_pixels(walk, steps, |along, across| target.pixel(across, along));
-    } else if walk.length >= FLAT * walk.rise {
+    } else if walk.rise == 0 || walk.length >= LONG.max(FLAT * walk.rise) {
         draw_runs(target, walk, steps);
     } else {
         draw_pixels(walk, steps, |along, across| target.pixel(along, across));
@@ -233,14 +249,11 @@ impl Runs {
                 divisor: 1,
             };
         }
-        let end = first_step(walk, risen + 1);
-        let [wide_end, wide_divisor, length, ends] =
-            [end, divisor, walk.length, risen + 1].map(i128::from);
-        let excess = wide_end * wide_divisor - 2 * length * ends + length - i128::from(tie(walk));
+        let (end, remainder) = first_step(walk, risen + 1);
         Self {
             risen,
             end,
-            remainder: i64::try_from(excess).expect("a remainder is below its divisor"),
+            remainder,
             quotient_step: 2 * walk.length / divisor,
             remainder_step: 2 * walk.length % divisor,
             divisor,

@@ -107,18 +107,28 @@ impl Dashes {
 
     /// The dashes, by their distances from the line's beginning, that meet a part of the line; whole ones, in order.
     ///
-    /// A dash has the same bits whatever the part is. A part that is not finite has no dashes.
+    /// A dash has the same bits whatever the part is. A part that is not finite has no dashes, nor has one more than
+    /// 2^52 periods away from the beginning, where f64 does not tell them apart.
     pub fn intervals(&self, part: Range<f64>) -> impl Iterator<Item = Range<f64>> + '_ {
-        let is_finite = part.start.is_finite() && part.end.is_finite();
-        let first = ((part.start + self.phase) / self.period).floor();
-        let periods = (0_u64..)
-            .map(move |n| (first + n as f64) * self.period - self.phase)
-            .take_while(move |start| is_finite && *start < part.end);
-        let dashes = periods.flat_map(|start| {
+        let period_at = |distance: f64| ((distance + self.phase) / self.period).floor();
+        let periods = whole_range(period_at(part.start), period_at(part.end));
+        let starts = periods.map(|n| n as f64 * self.period - self.phase);
+        let dashes = starts.flat_map(|start| {
             let moved = move |dash: &Range<f64>| start + dash.start..start + dash.end;
             self.dashes.iter().map(moved)
         });
         dashes.filter(move |dash| dash.end >= part.start && dash.start < part.end)
+    }
+}
+
+/// The whole numbers from the first to the last, none unless both are exact.
+#[expect(clippy::cast_possible_truncation, reason = "below 2^52")]
+fn whole_range(first: f64, last: f64) -> Range<i64> {
+    const EXACT: f64 = (1_u64 << 52) as f64;
+    if first.abs() <= EXACT && last.abs() <= EXACT {
+        first as i64..last as i64 + 1
+    } else {
+        0..0
     }
 }
 

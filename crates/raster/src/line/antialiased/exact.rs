@@ -1,92 +1,114 @@
 //! The exact area of a polygon in each pixel of a row.
 
-use super::narrow;
+use super::{clamped, narrow};
 use core::ops::Range;
 use glam::DVec2;
 
-/// The edges of a polygon, cut to a row of pixels.
+/// A side of a polygon with its slope, cut to rows of pixels on demand.
 ///
-/// An edge covers, in a pixel from `x` to `x + 1`, all that is right of it: the integral of `clamp(x + 1 - edge, 0, 1)`
-/// over its rows. Edges that go up (on the left, clockwise) count positive, those that go down negative; they sum up to
+/// A side covers, in a pixel from `x` to `x + 1`, all that is right of it: the integral of `clamp(x + 1 - side, 0, 1)`
+/// over its rows. Sides that go up (on the left, clockwise) count positive, those that go down negative; they sum up to
 /// the area of the polygon, by Green's theorem.
-#[derive(Debug, Default)]
-pub(super) struct RowEdges {
-    edges: Vec<RowEdge>,
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Side {
+    from: DVec2,
+    to: DVec2,
+    /// Change of x for each row.
+    slope: f64,
 }
 
+/// The part of a side within a row.
 #[derive(Debug, Clone, Copy)]
-struct RowEdge {
-    /// Both ends, relative to the right border of the present pixel; positive to the left of it.
+struct Cut {
+    /// x of both ends.
     ends: [f64; 2],
     /// Rows that it spans, positive if it goes up.
     height: f64,
 }
 
-impl RowEdges {
-    /// Adds the areas of a polygon in some pixels of a row to `sums`; clockwise polygons have positive areas.
-    pub fn add(&mut self, corners: &[DVec2], row: i32, left: i32, sums: &mut [f32]) {
-        self.cut(corners, f64::from(row), f64::from(left) + 1.0);
-        for sum in sums {
-            *sum += narrow(self.edges.iter().map(RowEdge::area).sum());
-            for edge in &mut self.edges {
-                edge.ends = edge.ends.map(|end| end + 1.0);
-            }
-        }
-    }
-
-    /// Those of some columns that a polygon touches in a row.
-    pub fn bounds(corners: &[DVec2], row: i32, columns: Range<i32>) -> Range<i32> {
-        let mut bounds = [f64::INFINITY, f64::NEG_INFINITY];
-        for_each_cut(corners, f64::from(row), |x, _| {
-            bounds[0] = bounds[0].min(x[0].min(x[1]));
-            bounds[1] = bounds[1].max(x[0].max(x[1]));
-        });
-        let start = super::clamped(bounds[0].floor(), &columns);
-        start..super::clamped(bounds[1].ceil(), &columns).max(start)
-    }
-
-    fn cut(&mut self, corners: &[DVec2], row: f64, right: f64) {
-        self.edges.clear();
-        for_each_cut(corners, row, |x, height| {
-            let ends = x.map(|x| right - x);
-            self.edges.push(RowEdge { ends, height });
-        });
-    }
-}
-
-/// Calls `edge` with the x of both ends and the signed height of each edge's part within a row.
-fn for_each_cut(corners: &[DVec2], row: f64, mut edge: impl FnMut([f64; 2], f64)) {
-    let Some(&last) = corners.last() else {
-        return;
+impl Side {
+    pub const ZERO: Self = Self {
+        from: DVec2::ZERO,
+        to: DVec2::ZERO,
+        slope: 0.0,
     };
-    let mut from = last;
-    for &to in corners {
-        let [y0, y1] = [from.y, to.y].map(|y| (y - row).clamp(0.0, 1.0));
-        if y0 != y1 {
+
+    pub fn new(from: DVec2, to: DVec2) -> Self {
+        let d = to - from;
+        let slope = if d.y == 0.0 { 0.0 } else { d.x / d.y };
+        Self { from, to, slope }
+    }
+
+    /// Whether it is in some of the rows.
+    pub fn meets(&self, rows: &Range<i32>) -> bool {
+        let [low, high] = [self.from.y.min(self.to.y), self.from.y.max(self.to.y)];
+        low < f64::from(rows.end) && high > f64::from(rows.start)
+    }
+
+    /// `None` if it is not in the row, or lies along it.
+    #[inline(always)]
+    fn cut(&self, row: f64) -> Option<Cut> {
+        let [from, to] = [self.from.y, self.to.y].map(|y| y.clamp(row, row + 1.0));
+        (from != to).then(|| {
+            let (low, high) = (self.from.x.min(self.to.x), self.from.x.max(self.to.x));
             let x_at = |y: f64| {
-                let share = (row + y - from.y) / (to.y - from.y);
-                from.x + (to.x - from.x) * share.clamp(0.0, 1.0)
+                let x = self.from.x + (y - self.from.y) * self.slope;
+                x.max(low).min(high)
             };
-            edge([x_at(y0), x_at(y1)], y0 - y1);
-        }
-        from = to;
+            Cut {
+                ends: [x_at(from), x_at(to)],
+                height: from - to,
+            }
+        })
     }
 }
 
-impl RowEdge {
-    /// The area right of it in the present pixel, with its sign.
-    #[inline(always)]
-    fn area(&self) -> f64 {
-        let [start, end] = self.ends;
-        let length = end - start;
-        let width = if length.abs() < 1e-6 {
-            (0.5 * (start + end)).clamp(0.0, 1.0)
-        } else {
-            (integral(end) - integral(start)) / length
-        };
-        width * self.height
+/// Those of some columns that a polygon touches in a row.
+pub(super) fn bounds(sides: &[Side], row: i32, columns: &Range<i32>) -> Range<i32> {
+    let cuts = sides.iter().filter_map(|side| side.cut(f64::from(row)));
+    let start = [f64::INFINITY, f64::NEG_INFINITY];
+    let [low, high] = cuts
+        .flat_map(|cut| cut.ends)
+        .fold(start, |[low, high], x| [low.min(x), high.max(x)]);
+    let start = clamped(low.floor(), columns);
+    start..clamped(high.ceil(), columns).max(start)
+}
+
+/// Pixels at once.
+const LANES: usize = 4;
+
+/// Adds the areas of a polygon in some pixels of a row to `sums`; clockwise polygons have positive areas.
+pub(super) fn add(sides: &[Side], row: i32, left: i32, sums: &mut [f32]) {
+    for side in sides {
+        if let Some(cut) = side.cut(f64::from(row)) {
+            cut.add(f64::from(left), sums);
+        }
     }
 }
+
+impl Cut {
+    #[inline(always)]
+    fn add(&self, left: f64, sums: &mut [f32]) {
+        // From the side to the right border of the present pixel.
+        let mut ends = self.ends.map(|x| left + 1.0 - x);
+        let length = ends[1] - ends[0];
+        let weight = self.height / length;
+        for sums in sums.chunks_mut(LANES) {
+            let areas: [f64; LANES] = if length.abs() < 1e-6 {
+                let middle = 0.5 * (ends[0] + ends[1]);
+                LANE.map(|lane| self.height * (middle + lane).clamp(0.0, 1.0))
+            } else {
+                LANE.map(|lane| weight * (integral(ends[1] + lane) - integral(ends[0] + lane)))
+            };
+            for (sum, area) in sums.iter_mut().zip(areas) {
+                *sum += narrow(area);
+            }
+            ends = ends.map(|end| end + LANES as f64);
+        }
+    }
+}
+
+const LANE: [f64; LANES] = [0.0, 1.0, 2.0, 3.0];
 
 /// The integral of `clamp(u, 0, 1)` from 0 on.
 #[inline(always)]

@@ -31,9 +31,8 @@ mod exact;
 mod piece;
 mod strip;
 
-use self::exact::RowEdges;
 use self::piece::Piece;
-use crate::stroke::{Path, Stroke, pieces};
+use crate::stroke::{Bar, Path, Stroke, pieces};
 use crate::target::CoverageTarget;
 use core::ops::Range;
 use glam::DVec2;
@@ -52,39 +51,82 @@ use glam::DVec2;
 /// assert!((area - 30.0 * 1.5).abs() < 1e-4);
 /// ```
 pub fn draw_line(target: &mut impl CoverageTarget, from: DVec2, to: DVec2, width: f64) {
-    draw_stroke(target, &Path::open([from, to]), &Stroke::new(width));
+    if let Some(bar) = Bar::new(from, to, width) {
+        let piece = Piece::bar(&bar, &target.window());
+        draw_pieces(target, [piece]);
+    }
 }
 
 /// Strokes a path.
 pub fn draw_stroke(target: &mut impl CoverageTarget, path: &Path, stroke: &Stroke) {
     let window = target.window();
     let pieces = pieces(path, stroke, &window).into_iter();
-    let pieces = pieces.map(|piece| Piece::new(piece, &window));
-    let mut waiting: Vec<Piece> = pieces.filter(|piece| !piece.is_empty()).collect();
-    waiting.sort_by_key(|piece| piece.rows.start);
-    let Some(mut row) = waiting.first().map(|piece| piece.rows.start) else {
-        return;
-    };
-    let mut sums = Sums::new(&waiting);
-    let mut waiting = waiting.into_iter().peekable();
-    let mut active: Vec<Piece> = Vec::new();
+    let mut pieces: Vec<Piece> = pieces.map(|piece| Piece::new(piece, &window)).collect();
+    pieces.sort_by_key(|piece| piece.rows.start);
+    draw_pieces(target, pieces);
+}
+
+/// Draws pieces that come in the order of their first rows.
+fn draw_pieces(target: &mut impl CoverageTarget, pieces: impl AsRef<[Piece]>) {
+    let all = pieces.as_ref();
+    let mut sums = Sums::new(all);
+    let mut waiting = all.iter().filter(|piece| !piece.is_empty()).peekable();
+    let mut active: Vec<&Piece> = Vec::new();
+    let mut row = i32::MIN;
     loop {
-        while let Some(piece) = waiting.next_if(|piece| piece.rows.start <= row) {
-            active.push(piece);
-        }
-        for piece in &active {
-            piece.cover_row(row, &mut sums);
-        }
-        sums.hand_over(target, row);
-        row += 1;
-        active.retain(|piece| piece.rows.end > row);
         if active.is_empty() {
             match waiting.peek() {
                 Some(piece) => row = piece.rows.start,
                 None => return,
             }
         }
+        while let Some(piece) = waiting.next_if(|piece| piece.rows.start <= row) {
+            active.push(piece);
+        }
+        let end = waiting.peek().map_or(i32::MAX, |piece| piece.rows.start);
+        row = match active.as_slice() {
+            [piece] => draw_alone(target, piece, row..end, &mut sums),
+            _ => {
+                draw_row(target, &active, row, &mut sums);
+                row + 1
+            }
+        };
+        active.retain(|piece| piece.rows.end > row);
     }
+}
+
+fn draw_row(target: &mut impl CoverageTarget, pieces: &[&Piece], row: i32, sums: &mut Sums) {
+    for piece in pieces {
+        piece.cover_row(row, sums);
+    }
+    sums.hand_over(target, row);
+}
+
+/// Draws rows of a piece that has them for itself, and says which one is next.
+fn draw_alone(
+    target: &mut impl CoverageTarget,
+    piece: &Piece,
+    rows: Range<i32>,
+    sums: &mut Sums,
+) -> i32 {
+    let rows = rows.start..rows.end.min(piece.rows.end);
+    if let Some(strip) = &piece.strip
+        && strip.is_narrow()
+    {
+        for row in rows.start..strip.free_rows.start.clamp(rows.start, rows.end) {
+            draw_row(target, &[piece], row, sums);
+        }
+        let free = strip.free_rows.start.max(rows.start)..strip.free_rows.end.min(rows.end);
+        strip.cover_rows(target, free, &piece.columns);
+        for row in strip.free_rows.end.clamp(rows.start, rows.end)..rows.end {
+            draw_row(target, &[piece], row, sums);
+        }
+    } else {
+        for row in rows.clone() {
+            draw_row(target, &[piece], row, sums);
+        }
+    }
+    rows.end
 }
 
 /// The coverages of a row while its pieces are summed up.
@@ -93,8 +135,6 @@ struct Sums {
     shares: Vec<f32>,
     /// What may not be 0, as indices; ranges may overlap.
     touched: Vec<Range<usize>>,
-    /// Working memory.
-    edges: RowEdges,
 }
 
 impl Sums {
@@ -105,16 +145,15 @@ impl Sums {
             left,
             shares: vec![0.0; (left..right).len()],
             touched: Vec::new(),
-            edges: RowEdges::default(),
         }
     }
 
-    /// The shares of some columns, which are not empty, and working memory.
+    /// The shares of some columns, which are not empty.
     #[inline(always)]
-    fn of(&mut self, columns: Range<i32>) -> (&mut [f32], &mut RowEdges) {
+    fn of(&mut self, columns: Range<i32>) -> &mut [f32] {
         let [start, end] = [columns.start, columns.end].map(|x| index(x - self.left));
         self.touched.push(start..end);
-        (&mut self.shares[start..end], &mut self.edges)
+        &mut self.shares[start..end]
     }
 
     /// Covers the target's pixels, and forgets what is summed up.

@@ -2,6 +2,7 @@
 
 use super::{clamped, narrow};
 use crate::stroke::Bar;
+use crate::target::CoverageTarget;
 use core::ops::Range;
 use glam::DVec2;
 
@@ -15,10 +16,13 @@ pub(super) struct Strip {
     edge: EdgeProfile,
     /// The sides on which it is, one next to the other.
     sides: [HalfPlane; 2],
-    /// What ends it.
-    ends: Vec<HalfPlane>,
-    /// Rows in which no pixel that it touches sees an end.
-    free_rows: Range<i32>,
+    /// What ends it; `end_count` of them.
+    ends: [HalfPlane; 4],
+    end_count: usize,
+    /// Half the interval of columns whose pixels' centres are near enough to be touched in a row.
+    reach: f64,
+    /// Rows in which no pixel that it touches sees an end; empty if it is so flat that it does not matter.
+    pub free_rows: Range<i32>,
 }
 
 /// The points with `normal · p >= offset`.
@@ -103,29 +107,37 @@ impl Strip {
     pub fn new(bar: &Bar, rows: &Range<i32>) -> Self {
         let normal = bar.direction.perp();
         let side = normal * bar.half;
-        let mut ends = vec![
-            HalfPlane::through(bar.from, bar.direction),
-            HalfPlane::through(bar.to, -bar.direction),
+        let from = HalfPlane::through(bar.from, bar.direction);
+        let to = HalfPlane::through(bar.to, -bar.direction);
+        let mut ends = [from, to, from, to];
+        let mut end_count = 2;
+        for (at, trim, sign) in [(bar.from, bar.trims[0], 1.0), (bar.to, bar.trims[1], -1.0)] {
+            if let Some(bisector) = trim.and_then(DVec2::try_normalize) {
+                ends[end_count] = HalfPlane::through(at, bisector * sign);
+                end_count += 1;
+            }
+        }
+        let sides = [
+            HalfPlane::through(bar.from - side, normal),
+            HalfPlane::through(bar.from + side, -normal),
         ];
-        let bisectors = [(bar.from, bar.trims[0], 1.0), (bar.to, bar.trims[1], -1.0)];
-        ends.extend(bisectors.into_iter().filter_map(|(at, normal, sign)| {
-            let normal = normal?.try_normalize()?;
-            Some(HalfPlane::through(at, normal * sign))
-        }));
         let mut strip = Self {
             normal,
             origin: bar.from,
             half: bar.half,
             edge: EdgeProfile::new(normal),
-            sides: [
-                HalfPlane::through(bar.from - side, normal),
-                HalfPlane::through(bar.from + side, -normal),
-            ],
+            reach: (bar.half + sides[0].footprint()) * sides[0].inverse.abs(),
+            sides,
             ends,
+            end_count,
             free_rows: 0..0,
         };
         strip.free_rows = strip.free_rows(rows);
         strip
+    }
+
+    fn ends(&self) -> &[HalfPlane] {
+        &self.ends[..self.end_count]
     }
 
     /// The rows in which the whole width of the strip, with a pixel around, is between its ends.
@@ -135,11 +147,10 @@ impl Strip {
     fn free_rows(&self, rows: &Range<i32>) -> Range<i32> {
         let along = -self.normal.perp();
         if along.y.abs() < 0.1 {
-            // Of rows as long as this it does not matter.
             return 0..0;
         }
         let mut free = [f64::NEG_INFINITY, f64::INFINITY];
-        for end in &self.ends {
+        for end in self.ends() {
             let growth = end.normal.dot(along) / along.y;
             if growth.abs() < 1e-9 {
                 return 0..0;
@@ -168,7 +179,7 @@ impl Strip {
             narrow_interval(&mut interval, side.columns(centre, -side.footprint()));
         }
         if !self.free_rows.contains(&row) {
-            for end in &self.ends {
+            for end in self.ends() {
                 narrow_interval(&mut interval, end.columns(centre, -end.footprint()));
             }
         }
@@ -183,10 +194,72 @@ impl Strip {
         }
         let centre = f64::from(row) + 0.5;
         let mut interval = [f64::NEG_INFINITY, f64::INFINITY];
-        for end in &self.ends {
+        for end in self.ends() {
             narrow_interval(&mut interval, end.columns(centre, end.footprint()));
         }
         within(interval, touched)
+    }
+
+    /// Whether a row has so few of its pixels that they are found all at once.
+    pub fn is_narrow(&self) -> bool {
+        self.reach < 0.5 * (LANES - 1) as f64 && !self.free_rows.is_empty()
+    }
+
+    /// Covers pixels of rows that see no end, all of a narrow strip's row at once.
+    #[inline(always)]
+    pub fn cover_rows(
+        &self,
+        target: &mut impl CoverageTarget,
+        rows: Range<i32>,
+        columns: &Range<i32>,
+    ) {
+        if self.reach < 0.5 * (FEW - 1) as f64 {
+            self.cover_few::<FEW>(target, rows, columns);
+        } else {
+            self.cover_few::<LANES>(target, rows, columns);
+        }
+    }
+
+    /// `N` pixels of each row; those that the strip does not touch are covered by 0.
+    ///
+    /// In blocks: first the coverages of all rows, then the target. Rows of a picture lie far apart in memory, and with
+    /// little to do between them a processor waits for many at once.
+    #[inline(always)]
+    fn cover_few<const N: usize>(
+        &self,
+        target: &mut impl CoverageTarget,
+        rows: Range<i32>,
+        columns: &Range<i32>,
+    ) {
+        let mut block = [(0.0, [0.0; N]); BLOCK];
+        let mut top = rows.start;
+        while top < rows.end {
+            let count = (top..rows.end).len().min(BLOCK);
+            for (row, place) in (top..).zip(&mut block[..count]) {
+                *place = self.shares_of_row(row);
+            }
+            for (row, (first, shares)) in (top..).zip(&block[..count]) {
+                cover_within(target, row, *first, shares, columns);
+            }
+            top = top.saturating_add(16);
+        }
+    }
+
+    /// The first column whose pixel's centre is within reach, and the shares from there on.
+    #[inline(always)]
+    fn shares_of_row<const N: usize>(&self, row: i32) -> (f64, [f32; N]) {
+        let drift = -self.normal.y * self.sides[0].inverse;
+        let down = f64::from(row) + 0.5 - self.origin.y;
+        let first = (self.origin.x + drift * down - self.reach - 0.5).ceil();
+        let right = first + 0.5 - self.origin.x;
+        let distance = self.normal.x * right + self.normal.y * down;
+        let inside = [distance + self.half, distance - self.half].map(narrow);
+        let step = narrow(self.normal.x);
+        let shares = std::array::from_fn(|lane| {
+            let gone = step * LANE[lane];
+            self.edge.share(inside[0] + gone) - self.edge.share(inside[1] + gone)
+        });
+        (first, shares)
     }
 
     /// Adds the coverages of pixels of a row that see no end.
@@ -213,7 +286,32 @@ impl Strip {
 /// Pixels at once.
 const LANES: usize = 8;
 
+/// Rows at once.
+const BLOCK: usize = 16;
+
+/// As many as a row of a steep line of width 1 has.
+const FEW: usize = 4;
+
 const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
+/// Covers pixels of a row from column `first` on, as far as they are in the columns.
+#[inline(always)]
+fn cover_within<const N: usize>(
+    target: &mut impl CoverageTarget,
+    row: i32,
+    first: f64,
+    shares: &[f32; N],
+    columns: &Range<i32>,
+) {
+    let [start, end] = [columns.start, columns.end].map(f64::from);
+    if first >= start && first + N as f64 <= end {
+        target.cover(row, clamped(first, columns), shares);
+    } else if first < end && first + N as f64 > start {
+        let seen = clamped(first, columns)..clamped(first + N as f64, columns);
+        let skipped = (0..N).find(|&n| first + n as f64 >= start).unwrap_or(0);
+        target.cover(row, seen.start, &shares[skipped..skipped + seen.len()]);
+    }
+}
 
 #[inline(always)]
 fn narrow_interval(interval: &mut [f64; 2], other: [f64; 2]) {
