@@ -1,7 +1,8 @@
 //! Lines and circles, whole pixels and antialiased, by this project and by `imageproc`, `line_drawing` and `vello_cpu`.
 //!
-//! Random lines and circles of one size at a time in a picture of 1024 x 1024 pixels; million pixels a second in CPU time
-//! of one thread, medians of rounds in which all take turns. A line has as many pixels as columns or rows, whichever are
+//! Random lines and circles of one size at a time in pictures of 256 x 256 and 1024 x 1024 pixels: the small one stays in
+//! the second-level cache, in the large one each row of a steep line waits for memory. Million pixels a second in CPU
+//! time of one thread, medians of rounds in which all take turns. A line has as many pixels as columns or rows, whichever are
 //! more; antialiased lines of width 1 are counted the same way, and mixed in linear light into three floats, by
 //! `vello_cpu` into 8-bit sRGB.
 
@@ -18,7 +19,6 @@ use vello_cpu::color::palette::css;
 use vello_cpu::kurbo::{BezPath, Stroke};
 use vello_cpu::{Pixmap, RenderContext, Resources};
 
-const SIDE: usize = 1024;
 const ROUNDS: usize = 11;
 const PIXELS: f64 = 4e5;
 
@@ -26,17 +26,15 @@ type Ends = [IVec2; 2];
 
 fn main() {
     println!("million pixels a second of one thread (ratio to ours)");
-    for length in [10.0, 100.0, 700.0] {
-        lines(length);
-    }
-    for radius in [5, 50, 400] {
-        circles(radius);
-    }
-    for length in [10.0, 100.0, 700.0] {
-        antialiased_lines(length);
-    }
-    for radius in [5, 50, 400] {
-        antialiased_circles(radius);
+    for (side, lengths, radii) in [
+        (256, [10.0, 100.0, 200.0], [5, 50, 120]),
+        (1024, [10.0, 100.0, 700.0], [5, 50, 400]),
+    ] {
+        println!("pictures of {side} x {side} pixels");
+        lengths.iter().for_each(|&length| lines(side, length));
+        radii.iter().for_each(|&radius| circles(side, radius));
+        lengths.iter().for_each(|&length| antialiased_lines(side, length));
+        radii.iter().for_each(|&radius| antialiased_circles(side, radius));
     }
 }
 
@@ -69,13 +67,13 @@ fn median(seconds: &mut [f64]) -> f64 {
 }
 
 /// Lines of a length in all directions, inside of the picture.
-fn ends(length: f64) -> Vec<Ends> {
+fn ends(side: usize, length: f64) -> Vec<Ends> {
     let mut ends = Vec::new();
     for index in 0_u64.. {
         let at = |k| f64::from(random(7, 4 * index + k));
-        let from = DVec2::new(at(0), at(1)) * (SIDE - 1) as f64;
+        let from = DVec2::new(at(0), at(1)) * (side - 1) as f64;
         let to = from + DVec2::from_angle(at(2) * std::f64::consts::TAU) * length;
-        let inside = |p: DVec2| p.min_element() >= 1.0 && p.max_element() < (SIDE - 2) as f64;
+        let inside = |p: DVec2| p.min_element() >= 1.0 && p.max_element() < (side - 2) as f64;
         if inside(from) && inside(to) {
             ends.push([from, to].map(|p| p.round().as_ivec2()));
         }
@@ -94,15 +92,15 @@ fn float_pair(p: IVec2) -> (f32, f32) {
     (p.x as f32, p.y as f32)
 }
 
-fn lines(length: f64) {
-    let ends = ends(length);
-    let mut image = Image::filled(SIDE, SIDE, [0_u8; 4]);
-    let mut theirs = RgbaImage::new(SIDE as u32, SIDE as u32);
+fn lines(side: usize, length: f64) {
+    let ends = ends(side, length);
+    let mut image = Image::filled(side, side, [0_u8; 4]);
+    let mut theirs = RgbaImage::new(side as u32, side as u32);
     let mut third = image.clone();
     let white = [255_u8; 4];
     // Every line for itself: ends are drawn, and as many pixels.
     for [from, to] in ends.iter().take(200) {
-        let mut single = Image::filled(SIDE, SIDE, 0_u8);
+        let mut single = Image::filled(side, side, 0_u8);
         draw_line(&mut single.pen(1), *from, *to);
         let set = single.pixels().iter().filter(|&&p| p == 1).count();
         assert_eq!(set, pixels_of(&[*from, *to]), "pixels from {from} to {to}");
@@ -155,8 +153,8 @@ fn lines(length: f64) {
 }
 
 /// Centres of circles inside of the picture.
-fn centers(radius: i32) -> Vec<IVec2> {
-    let room = SIDE as f32 - 4.0 - 2.0 * radius as f32;
+fn centers(side: usize, radius: i32) -> Vec<IVec2> {
+    let room = side as f32 - 4.0 - 2.0 * radius as f32;
     (0..(PIXELS / (5.7 * f64::from(radius))) as u64)
         .map(|i| {
             let at = |k| (random(8, 2 * i + k) * room) as i32 + radius + 2;
@@ -165,13 +163,13 @@ fn centers(radius: i32) -> Vec<IVec2> {
         .collect()
 }
 
-fn circles(radius: i32) {
-    let centers = centers(radius);
-    let mut image = Image::filled(SIDE, SIDE, [0_u8; 4]);
-    let mut theirs = RgbaImage::new(SIDE as u32, SIDE as u32);
+fn circles(side: usize, radius: i32) {
+    let centers = centers(side, radius);
+    let mut image = Image::filled(side, side, [0_u8; 4]);
+    let mut theirs = RgbaImage::new(side as u32, side as u32);
     let white = [255_u8; 4];
     let mut pixels = [0; 2];
-    let middle = IVec2::splat(SIDE as i32 / 2);
+    let middle = IVec2::splat(side as i32 / 2);
     draw_circle(&mut image.pen([1; 4]), middle, radius);
     drawing::draw_hollow_circle_mut(&mut theirs, (middle.x, middle.y), radius, Rgba([1; 4]));
     let same = image
@@ -277,8 +275,8 @@ struct Vello {
 }
 
 impl Vello {
-    fn new() -> Self {
-        let side = SIDE as u16;
+    fn new(side: usize) -> Self {
+        let side = side as u16;
         let mut context = RenderContext::new(side, side);
         context.set_paint(css::WHITE);
         context.set_stroke(Stroke::new(1.0).with_caps(vello_cpu::kurbo::Cap::Butt));
@@ -302,20 +300,20 @@ impl Vello {
     }
 }
 
-fn antialiased_lines(length: f64) {
-    let ends = ends(length);
+fn antialiased_lines(side: usize, length: f64) {
+    let ends = ends(side, length);
     let half = |p: IVec2| p.as_dvec2() + 0.5;
     for [from, to] in ends.iter().take(200) {
-        let mut single = Image::filled(SIDE, SIDE, 0.0);
+        let mut single = Image::filled(side, side, 0.0);
         antialiased::draw_line(&mut single.pen(1.0), half(*from), half(*to), 1.0);
         let sum: f64 = single.pixels().iter().map(|&c| f64::from(c)).sum();
         let length = half(*from).distance(half(*to));
         assert!((sum - length).abs() < 1e-3, "{sum} for a line of {length}");
     }
-    let mut image = Image::filled(SIDE, SIDE, Rgb::BLACK);
-    let mut theirs = Rgb32FImage::new(SIDE as u32, SIDE as u32);
+    let mut image = Image::filled(side, side, Rgb::BLACK);
+    let mut theirs = Rgb32FImage::new(side as u32, side as u32);
     let mut third = image.clone();
-    let mut vello = Vello::new();
+    let mut vello = Vello::new(side);
     let paths: Vec<BezPath> = ends
         .iter()
         .map(|&[from, to]| {
@@ -375,19 +373,19 @@ fn antialiased_lines(length: f64) {
     );
 }
 
-fn antialiased_circles(radius: i32) {
-    let centers = centers(radius);
+fn antialiased_circles(side: usize, radius: i32) {
+    let centers = centers(side, radius);
     let exact = std::f64::consts::TAU * f64::from(radius);
-    let mut single = Image::filled(SIDE, SIDE, 0.0);
-    let middle = DVec2::splat(SIDE as f64 / 2.0);
+    let mut single = Image::filled(side, side, 0.0);
+    let middle = DVec2::splat(side as f64 / 2.0);
     smooth::draw_circle(&mut single.pen(1.0), middle, f64::from(radius), 1.0);
     let sum: f64 = single.pixels().iter().map(|&c| f64::from(c)).sum();
     assert!(
         (sum / exact - 1.0).abs() < 1e-5,
         "{sum} for a ring of {exact}"
     );
-    let mut image = Image::filled(SIDE, SIDE, Rgb::BLACK);
-    let mut vello = Vello::new();
+    let mut image = Image::filled(side, side, Rgb::BLACK);
+    let mut vello = Vello::new(side);
     let paths: Vec<BezPath> = centers
         .iter()
         .map(|center| {

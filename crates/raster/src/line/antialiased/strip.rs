@@ -202,7 +202,7 @@ impl Strip {
 
     /// Whether a row has so few of its pixels that they are found all at once.
     pub fn is_narrow(&self) -> bool {
-        self.reach < 0.5 * (LANES - 1) as f64 && !self.free_rows.is_empty()
+        self.reach < 0.5 * (MANY - 1) as f64 && !self.free_rows.is_empty()
     }
 
     /// Covers pixels of rows that see no end, all of a narrow strip's row at once.
@@ -215,8 +215,10 @@ impl Strip {
     ) {
         if self.reach < 0.5 * (FEW - 1) as f64 {
             self.cover_few::<FEW>(target, rows, columns);
-        } else {
+        } else if self.reach < 0.5 * (LANES - 1) as f64 {
             self.cover_few::<LANES>(target, rows, columns);
+        } else {
+            self.cover_few::<MANY>(target, rows, columns);
         }
     }
 
@@ -292,7 +294,19 @@ const BLOCK: usize = 16;
 /// As many as a row of a steep line of width 1 has.
 const FEW: usize = 4;
 
-const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+/// As many as a row of one has that is seven times flatter.
+const MANY: usize = 16;
+
+/// 0, 1, 2 and so on.
+const LANE: [f32; MANY] = {
+    let mut lanes = [0.0; MANY];
+    let mut lane = 1;
+    while lane < MANY {
+        lanes[lane] = lanes[lane - 1] + 1.0;
+        lane += 1;
+    }
+    lanes
+};
 
 /// Covers pixels of a row from column `first` on, as far as they are in the columns.
 #[inline(always)]
