@@ -33,8 +33,12 @@ fn main() {
         println!("pictures of {side} x {side} pixels");
         lengths.iter().for_each(|&length| lines(side, length));
         radii.iter().for_each(|&radius| circles(side, radius));
-        lengths.iter().for_each(|&length| antialiased_lines(side, length));
-        radii.iter().for_each(|&radius| antialiased_circles(side, radius));
+        lengths
+            .iter()
+            .for_each(|&length| antialiased_lines(side, length));
+        radii
+            .iter()
+            .for_each(|&radius| antialiased_circles(side, radius));
     }
 }
 

@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod exhibit;
+mod scan_conversion;
 
 pub use exhibit::{Exhibit, GalleryError, Piece, Request};
 
@@ -17,4 +18,4 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[];
+const ROOMS: &[&[Exhibit]] = &[scan_conversion::EXHIBITS];

@@ -17,27 +17,41 @@
 //! Radii of up to 2^31 - 1 pixels, no rotation. Nothing here panics or overflows.
 
 use crate::target::Target;
-use core::ops::Range;
+use core::ops::{AddAssign, Range};
 use glam::IVec2;
 
 /// The largest `x >= 0` with `x^2 den <= num`; `den` is not 0, and the result has at most 33 bits.
+fn floor_sqrt(num: u128, den: u128) -> i64 {
+    let root = match (u64::try_from(num), u64::try_from(den)) {
+        (Ok(num), Ok(den)) => {
+            let is_below = |x: u64| (x * x).checked_mul(den).is_some_and(|s| s <= num);
+            corrected(num as f64 / den as f64, is_below)
+        }
+        _ => {
+            let square = |x: u64| u128::from(x).pow(2);
+            let is_below = |x: u64| square(x).checked_mul(den).is_some_and(|s| s <= num);
+            corrected(num as f64 / den as f64, is_below)
+        }
+    };
+    i64::try_from(root).expect("a square root has 33 bits")
+}
+
+/// The last number of which something holds, given about its square: f64 has 53 bits, so its root misses by one at most.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "a square root of a number that is not negative, below 2^33"
+    reason = "the square root of a number that is not negative, below 2^33"
 )]
-fn floor_sqrt(num: u128, den: u128) -> i64 {
-    // Off by one at most, as f64 has 53 bits.
-    let mut root = (num as f64 / den as f64).sqrt() as u64;
-    let square = |x: u64| u128::from(x).pow(2);
-    let is_below = |x: u64| square(x).checked_mul(den).is_some_and(|s| s <= num);
-    while !is_below(root) {
+#[inline(always)]
+fn corrected(square: f64, holds: impl Fn(u64) -> bool) -> u64 {
+    let mut root = square.sqrt() as u64;
+    while !holds(root) {
         root -= 1;
     }
-    while is_below(root + 1) {
+    while holds(root + 1) {
         root += 1;
     }
-    i64::try_from(root).expect("a square root has 33 bits")
+    root
 }
 
 fn wide(number: i64) -> u128 {
@@ -74,16 +88,17 @@ impl Region {
         floor_sqrt(a * a * (4 * b * b - m * m), 4 * b * b)
     }
 
-    fn walk(self, x: i64) -> Walk {
+    fn walk(self, x: i64) -> Walk<i128> {
         let [a2, b2] = [self.a, self.b].map(|r| i128::from(r).pow(2));
-        let [column, y] = [x, self.height(x)].map(i128::from);
+        let height = self.height(x);
+        let [column, y] = [x, height].map(i128::from);
         // 4 F(x + 1, y - 1/2). Terms of huge radii may wrap; their sum is far smaller and right again.
         let inside = b2.wrapping_mul(4 * (column + 1).pow(2));
-        let height = a2.wrapping_mul((2 * y - 1).pow(2) - (2 * i128::from(self.b)).pow(2));
+        let above = a2.wrapping_mul((2 * y - 1).pow(2) - (2 * i128::from(self.b)).pow(2));
         Walk {
             x,
-            y: self.height(x),
-            decision: inside.wrapping_add(height),
+            y: height,
+            decision: inside.wrapping_add(above),
             east: 4 * b2 * (2 * column + 3),
             south: 8 * a2 * (1 - y),
             east_step: 8 * b2,
@@ -92,26 +107,45 @@ impl Region {
     }
 }
 
-/// The midpoint method in a region.
+/// The largest radius of which all terms, below 16 times its cube, fit into 64 bits.
+const SMALL: i64 = 1 << 19;
+
+/// The midpoint method in a region, with terms of 64 or 128 bits.
 #[derive(Debug)]
-struct Walk {
+struct Walk<T> {
     x: i64,
     y: i64,
     /// `4 F(x + 1, y - 1/2)`
-    decision: i128,
+    decision: T,
     /// What the decision grows by for a column.
-    east: i128,
+    east: T,
     /// What it grows by more if the row changes.
-    south: i128,
-    east_step: i128,
-    south_step: i128,
+    south: T,
+    east_step: T,
+    south_step: T,
 }
 
-impl Walk {
+impl Walk<i128> {
+    /// In 64 bits, for a small radius.
+    #[expect(clippy::cast_possible_truncation, reason = "small terms")]
+    fn narrowed(&self) -> Walk<i64> {
+        Walk {
+            x: self.x,
+            y: self.y,
+            decision: self.decision as i64,
+            east: self.east as i64,
+            south: self.south as i64,
+            east_step: self.east_step as i64,
+            south_step: self.south_step as i64,
+        }
+    }
+}
+
+impl<T: Copy + AddAssign + PartialOrd + Default> Walk<T> {
     #[inline(always)]
     fn advance(&mut self) {
         // On the axis the midpoint below is beyond the tip, not inside of the ellipse.
-        let falls = self.decision >= 0 && self.y > 0;
+        let falls = self.decision >= T::default() && self.y > 0;
         self.decision += self.east;
         self.east += self.east_step;
         self.x += 1;
@@ -119,6 +153,14 @@ impl Walk {
             self.decision += self.south;
             self.south += self.south_step;
             self.y -= 1;
+        }
+    }
+
+    #[inline(always)]
+    fn run(mut self, steps: Range<i64>, mut pixel: impl FnMut(i64, i64)) {
+        for _ in steps {
+            pixel(self.x, self.y);
+            self.advance();
         }
     }
 }
@@ -224,14 +266,16 @@ fn visible(region: Region, last: i64, columns: &Range<i64>, rows: &Range<i64>) -
     start..last.min(in_rows).min(columns.end - 1).saturating_add(1)
 }
 
-fn draw_arc(region: Region, steps: Range<i64>, mut pixel: impl FnMut(i64, i64)) {
+#[inline(always)]
+fn draw_arc(region: Region, steps: Range<i64>, pixel: impl FnMut(i64, i64)) {
     if steps.is_empty() {
         return;
     }
-    let mut walk = region.walk(steps.start);
-    for _ in steps {
-        pixel(walk.x, walk.y);
-        walk.advance();
+    let walk = region.walk(steps.start);
+    if region.a.max(region.b) <= SMALL {
+        walk.narrowed().run(steps, pixel);
+    } else {
+        walk.run(steps, pixel);
     }
 }
 

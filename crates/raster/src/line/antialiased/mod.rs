@@ -53,7 +53,10 @@ use glam::DVec2;
 pub fn draw_line(target: &mut impl CoverageTarget, from: DVec2, to: DVec2, width: f64) {
     if let Some(bar) = Bar::new(from, to, width) {
         let piece = Piece::bar(&bar, &target.window());
-        draw_pieces(target, [piece]);
+        if !piece.is_empty() {
+            let mut sums = Sums::new(std::slice::from_ref(&piece));
+            draw_alone(target, &piece, piece.rows.clone(), &mut sums);
+        }
     }
 }
 
@@ -63,14 +66,13 @@ pub fn draw_stroke(target: &mut impl CoverageTarget, path: &Path, stroke: &Strok
     let pieces = pieces(path, stroke, &window).into_iter();
     let mut pieces: Vec<Piece> = pieces.map(|piece| Piece::new(piece, &window)).collect();
     pieces.sort_by_key(|piece| piece.rows.start);
-    draw_pieces(target, pieces);
+    draw_pieces(target, &pieces);
 }
 
 /// Draws pieces that come in the order of their first rows.
-fn draw_pieces(target: &mut impl CoverageTarget, pieces: impl AsRef<[Piece]>) {
-    let all = pieces.as_ref();
-    let mut sums = Sums::new(all);
-    let mut waiting = all.iter().filter(|piece| !piece.is_empty()).peekable();
+fn draw_pieces(target: &mut impl CoverageTarget, pieces: &[Piece]) {
+    let mut sums = Sums::new(pieces);
+    let mut waiting = pieces.iter().filter(|piece| !piece.is_empty()).peekable();
     let mut active: Vec<&Piece> = Vec::new();
     let mut row = i32::MIN;
     loop {
