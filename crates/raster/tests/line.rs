@@ -104,6 +104,14 @@ proptest! {
     }
 
     #[test]
+    fn flat_lines_are_exact_run_by_run(x in -200..500_i32, y in -20..40_i32, dx in -900..900_i32, dy in -60..60_i32) {
+        let window = Window::new(0..300, 0..20);
+        let (from, to) = (IVec2::new(x, y), IVec2::new(x + dx, y + dy));
+        let expected = expected(from, to, window);
+        prop_assert_eq!(drawn(window, |target| draw_line(target, from, to)), expected);
+    }
+
+    #[test]
     fn a_clipped_walk_is_part_of_the_whole(from in (-60..60_i32, -60..60_i32), to in (-60..60_i32, -60..60_i32), window in window()) {
         let [from, to] = [from, to].map(|(x, y)| IVec2::new(x, y));
         let is_inside = |pixel: IVec2| window.contains(pixel);

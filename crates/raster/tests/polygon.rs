@@ -272,3 +272,27 @@ fn a_star_of_lines_and_its_hole() {
         assert!(counts.is_set(28, 16), "a tip");
     }
 }
+
+#[test]
+fn dashes_from_far_away_or_of_huge_width_come_to_an_end() {
+    let dashes = Dashes::new(&[3.0, 2.0], 1.0).expect("good dashes");
+    assert_eq!(
+        dashes.intervals(1e140..1e150).count(),
+        0,
+        "f64 does not tell them apart"
+    );
+    for cap in [Cap::Butt, Cap::Round, Cap::Square] {
+        for (far, width) in [
+            (1e149, 3.0),
+            (1e16, 3.0),
+            (1e16, 1e15),
+            (1e3, 1e9),
+            (1e9, 6e4),
+        ] {
+            let path = Path::open([DVec2::new(-far, 3.0), DVec2::new(far, 5.0)]);
+            let stroke = Stroke::new(width).with_cap(cap).with_dashes(dashes.clone());
+            let mut counts = Counts::new();
+            counts.draw(|t| draw_stroke(t, &path, &stroke));
+        }
+    }
+}
