@@ -65,8 +65,13 @@ impl Drawing {
 
     /// Adds a straight line.
     pub fn line(&mut self, from: [f64; 2], to: [f64; 2], color: [u8; 3], width: f64) {
+        self.path(vec![from, to], color, width);
+    }
+
+    /// Adds a line through points.
+    pub fn path(&mut self, points: Vec<[f64; 2]>, color: [u8; 3], width: f64) {
         self.shapes.push(Shape::Path {
-            points: vec![from, to],
+            points,
             color,
             width,
             dashed: false,

@@ -13,6 +13,7 @@ mod csg;
 mod environments;
 mod exhibit;
 mod field;
+mod scan_conversion;
 mod stage;
 mod textures;
 mod two_part;
@@ -25,15 +26,7 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[
-    csg::EXHIBITS,
-    field::EXHIBITS,
-    two_part::EXHIBITS,
-    bumps::EXHIBITS,
-    textures::EXHIBITS,
-    antialiasing::EXHIBITS,
-    environments::EXHIBITS,
-];
+const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS, two_part::EXHIBITS, bumps::EXHIBITS, textures::EXHIBITS, antialiasing::EXHIBITS, environments::EXHIBITS, scan_conversion::EXHIBITS];
 
 #[cfg(test)]
 mod tests {
