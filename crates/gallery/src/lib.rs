@@ -26,7 +26,16 @@ pub fn exhibits() -> impl Iterator<Item = &'static Exhibit> {
 }
 
 /// The exhibits of each module.
-const ROOMS: &[&[Exhibit]] = &[csg::EXHIBITS, field::EXHIBITS, two_part::EXHIBITS, bumps::EXHIBITS, textures::EXHIBITS, antialiasing::EXHIBITS, environments::EXHIBITS, scan_conversion::EXHIBITS];
+const ROOMS: &[&[Exhibit]] = &[
+    scan_conversion::EXHIBITS,
+    antialiasing::EXHIBITS,
+    csg::EXHIBITS,
+    textures::EXHIBITS,
+    field::EXHIBITS,
+    two_part::EXHIBITS,
+    bumps::EXHIBITS,
+    environments::EXHIBITS,
+];
 
 #[cfg(test)]
 mod tests {

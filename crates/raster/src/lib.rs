@@ -1,10 +1,10 @@
 //! Pictures on the CPU: everything between geometry and pixels, usable on its own; it knows no scene.
-//! Pictures on the CPU: images, linear colour, and what is drawn into them: lines, circles, polygons, triangles.
 //!
 //! Colour is linear Rec. 709 in memory ([`Rgb`]); sRGB appears only where a file says so ([`color`]).
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | [`line`](mod@line), [`circle`], [`ellipse`], [`stroke`], [`polygon`] | flat shapes scan-converted, readable beside their textbooks; whole pixels, or exact areas of lines, strokes and circles; drawn into any [`target`] |
 //! | [`triangle`], [`clip`] | perspective-correct triangles with a z-buffer, item buffers, clipping in homogeneous coordinates |
 //! | [`antialias`] | exact areas of outlines; samples and filters for any picture; their errors, measured |
 //! | [`texture`] | mip chains in linear light, filters from point sampling to elliptical weighted averages, normal maps |
@@ -38,12 +38,6 @@ pub mod texture;
 pub mod tonemap;
 pub mod triangle;
 pub mod two_part;
-//! [`line`](mod@line), [`circle`], [`ellipse`], [`polygon`] and [`stroke`] scan-convert flat shapes, readable beside their textbooks
-//! and fast, whole pixels or, for lines, strokes and circles, exact coverage; all of them clip before they step and draw
-//! into any [`target`]. [`triangle`] draws perspective-correct triangles with a z-buffer and item buffers ([`clip`] cuts them in homogeneous
-//! coordinates before), [`tonemap`] brings light into the range of a display, [`image`] holds and stores pictures (PNG in
-//! sRGB, OpenEXR in linear light). Nothing here panics on the coordinates it is given; non-finite ones are not drawn.
-
 
 pub use color::Rgb;
 pub use image::Image;

@@ -150,7 +150,7 @@ fn triangles_that_cannot_be_used_are_left_out() {
     assert_eq!(scene.face_count(), 1, "the good one");
     let told = warnings(&scene).join("; ");
     for part in [
-        "1 triangles have no area",
+        "1 triangle without an area",
         "triangle 3: a coordinate is not finite",
         "4 bytes after",
     ] {
@@ -172,7 +172,7 @@ fn damaged_text_is_told_by_its_lines() {
         "line 9: a vertex",
         "line 16: the facet has 1 vertices",
         "line 20: the facet has 2",
-        "1 lines",
+        "1 line without a meaning",
     ] {
         assert!(told.contains(part), "'{part}' is not in: {told}");
     }
