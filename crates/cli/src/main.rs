@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod backend;
 mod csv;
 mod failure;
 mod history;
@@ -54,6 +55,7 @@ fn run(cli: &Cli, start: Instant) -> Result<(), Failure> {
         Verb::Compare(args) => verb::compare::run(args, cli.global, start),
         Verb::Environment(args) => verb::environment::run(args, cli.global, start),
         Verb::Gallery(args) => verb::gallery::run(args, cli.global),
+        Verb::Adapters => verb::adapters::run(cli.global),
         Verb::Scenes => verb::scenes::run(cli.global),
         Verb::Info(args) => verb::info::run(args, cli.global),
         Verb::Completions(args) => verb::completions::run(args),

@@ -1,10 +1,12 @@
 //! Solving under a progress bar, a clock and Ctrl-C.
 
-use crate::args::SolveArgs;
+use crate::args::{MeshArgs, SolveArgs};
+use crate::backend::{FactorsOf, chosen};
 use crate::failure::Failure;
 use crate::history::History;
 use crate::interrupt;
 use crate::progress::Bar;
+use hemicube::radiosity::backend::Backend;
 use hemicube::radiosity::{self, Progress, Solution, SolveOptions};
 use hemicube::scene::Scene;
 use serde::Serialize;
@@ -46,6 +48,7 @@ pub struct Watch {
     limit: Option<Duration>,
     quiet: bool,
     keeps_history: bool,
+    mesh: MeshArgs,
 }
 
 impl Watch {
@@ -56,6 +59,7 @@ impl Watch {
             limit: args.time,
             quiet,
             keeps_history: false,
+            mesh: args.mesh.clone(),
         }
     }
 
@@ -69,17 +73,30 @@ impl Watch {
 
     /// Solves a scene from nothing.
     pub fn solve(&self, scene: Scene, options: SolveOptions) -> Result<Solved, Failure> {
+        let backend = chosen(&self.mesh, self.mesh.uses_gpu(None), self.quiet)?;
         self.work(0, options, |stop, go_on| {
-            radiosity::solve_until(Arc::new(scene), &options, stop, go_on)
+            let scene = Arc::new(scene);
+            radiosity::solve_on(scene, &options, &*self.stepped(&*backend), stop, go_on)
         })
     }
 
     /// Goes on with a solution.
     pub fn resume(&self, solution: Solution, options: SolveOptions) -> Result<Solved, Failure> {
         let steps = solution.provenance.steps;
+        let uses_gpu = self.mesh.uses_gpu(Some(&solution.provenance));
+        let backend = chosen(&self.mesh, uses_gpu, self.quiet)?;
         self.work(steps, options, |stop, go_on| {
-            radiosity::resume_until(solution, &options, stop, go_on)
+            radiosity::resume_on(solution, &options, &*self.stepped(&*backend), stop, go_on)
         })
+    }
+
+    /// A backend whose solver brings along every step's light if the way to the solution is kept.
+    fn stepped<'a>(&self, backend: &'a dyn Backend) -> Box<dyn Backend + 'a> {
+        if self.keeps_history {
+            Box::new(FactorsOf(backend))
+        } else {
+            Box::new(backend)
+        }
     }
 
     /// Why the work should end now, if it should.

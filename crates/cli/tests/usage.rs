@@ -14,6 +14,7 @@ fn every_verb_has_help_with_an_example() {
         "form-factors",
         "compare",
         "environment",
+        "gallery",
         "scenes",
         "info",
         "completions",

@@ -13,10 +13,12 @@
 //! [`Hemicube`], whose row this is but for who draws it. Delta form factors are rounded to multiples of 2⁻³¹, so that sums
 //! are exact and every run gives the same bits.
 
+use crate::backend::Report;
 use crate::buffer::{bind, compute, empty, filled, groups, layout, module, storage, uniform};
 use crate::context::Context;
 use crate::error::GpuError;
 use bytemuck::Zeroable;
+use core::fmt;
 use hemicube_radiosity::form_factor::hemicube::{
     Hemicube, HemicubeOptions, ItemBuffers, Projection, Sums, Viewpoint,
 };
@@ -47,7 +49,6 @@ const STRIDE: usize = 256;
 /// Form factors by hemicubes on the GPU.
 ///
 /// When the device is lost or its memory runs out, rows go on with the CPU's hemicubes; [`GpuHemicube::failure`] says so.
-#[derive(Debug)]
 pub struct GpuHemicube {
     context: Arc<Context>,
     cpu: Hemicube,
@@ -55,6 +56,16 @@ pub struct GpuHemicube {
     geometry: Geometry,
     batch: Mutex<Batch>,
     failure: OnceLock<GpuError>,
+    report: Option<Report>,
+}
+
+impl fmt::Debug for GpuHemicube {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("GpuHemicube")
+            .field("context", &self.context)
+            .field("failure", &self.failure)
+            .finish_non_exhaustive()
+    }
 }
 
 impl GpuHemicube {
@@ -81,11 +92,20 @@ impl GpuHemicube {
         Ok(Self {
             batch: Mutex::new(batch),
             failure: OnceLock::new(),
+            report: None,
             context,
             cpu,
             pass,
             geometry,
         })
+    }
+
+    /// `report` hears why rows come from the CPU.
+    pub(crate) fn with_report(self, report: Report) -> Self {
+        Self {
+            report: Some(report),
+            ..self
+        }
     }
 
     /// Why rows come from the CPU since then, if they do.
@@ -186,7 +206,9 @@ impl FormFactors for GpuHemicube {
             Ok(sums) => self.cpu.row_of_sums(source, &views, &sums, row),
             Err(failure) => {
                 // Another thread may have been first; either reason is true.
-                let _ = self.failure.set(failure);
+                if let (Ok(()), Some(report)) = (self.failure.set(failure.clone()), &self.report) {
+                    report(&failure);
+                }
                 self.cpu.fill_row(source, row);
             }
         }

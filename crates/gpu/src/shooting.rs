@@ -3,6 +3,7 @@
 //! Light, geometry and the choice of the next patch stay in GPU buffers; a step submits several hemicubes and only
 //! eight numbers come back. [`GpuShooting::settle`] brings the light to the CPU when somebody wants to see it.
 
+use crate::backend::Report;
 use crate::buffer::{bind, compute, empty, filled, groups, layout, module, storage, uniform};
 use crate::context::Context;
 use crate::error::GpuError;
@@ -30,6 +31,7 @@ pub struct GpuShooting {
     steps_before: u64,
     state: twins::ShotState,
     failure: Option<GpuError>,
+    report: Option<Report>,
     device: OnDevice,
 }
 
@@ -78,6 +80,7 @@ impl GpuShooting {
             hemicubes_per_step: HEMICUBES_PER_STEP,
             state: bytemuck::Zeroable::zeroed(),
             failure: None,
+            report: None,
             context,
             solution,
             device,
@@ -90,6 +93,14 @@ impl GpuShooting {
     pub fn with_hemicubes_per_step(self, hemicubes_per_step: u32) -> Self {
         Self {
             hemicubes_per_step: hemicubes_per_step.max(1),
+            ..self
+        }
+    }
+
+    /// `report` hears what went wrong.
+    pub(crate) fn with_report(self, report: Report) -> Self {
+        Self {
+            report: Some(report),
             ..self
         }
     }
@@ -173,9 +184,13 @@ impl GpuShooting {
     }
 
     fn keep(&mut self, result: Result<(), GpuError>) {
-        if let Err(failure) = result {
-            self.failure.get_or_insert(failure);
+        let Err(failure) = result else { return };
+        if self.failure.is_none()
+            && let Some(report) = &self.report
+        {
+            report(&failure);
         }
+        self.failure.get_or_insert(failure);
     }
 }
 

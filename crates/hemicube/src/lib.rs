@@ -28,6 +28,7 @@
 //! | [`scene`] | glTF, OBJ, STL and View3D import, materials, lights, cameras, built-in scenes |
 //! | [`radiosity`] | patches, form factors, solvers, solutions, lit `.glb` files |
 //! | [`render`] | pictures of solutions |
+//! | `gpu` | hemicubes, rays and shooting on a GPU; only with the feature `gpu` |
 //!
 //! # Current state
 //! Surfaces are diffuse; panes let light straight through. The front page of each crate says what it does not do yet.
@@ -35,6 +36,8 @@
 #![forbid(unsafe_code)]
 
 pub use hemicube_csg as csg;
+#[cfg(feature = "gpu")]
+pub use hemicube_gpu as gpu;
 pub use hemicube_radiosity as radiosity;
 pub use hemicube_raster as raster;
 pub use hemicube_render as render;

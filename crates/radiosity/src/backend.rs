@@ -65,3 +65,26 @@ impl Backend for Cpu {
             .build(mesh, &options.form_factor_options())
     }
 }
+
+impl<B: Backend + ?Sized> Backend for &B {
+    fn name(&self, options: &SolveOptions) -> String {
+        (**self).name(options)
+    }
+
+    fn form_factors(
+        &self,
+        mesh: Arc<PatchMesh>,
+        options: &SolveOptions,
+    ) -> Result<Box<dyn FormFactors>, RadiosityError> {
+        (**self).form_factors(mesh, options)
+    }
+
+    fn shooting(
+        &self,
+        solution: Solution,
+        options: &SolveOptions,
+        order: Order,
+    ) -> Result<Shooter, RadiosityError> {
+        (**self).shooting(solution, options, order)
+    }
+}

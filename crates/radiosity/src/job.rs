@@ -279,8 +279,22 @@ pub fn solve_until(
     stop: Stop<'_>,
     go_on: impl FnMut(&Progress, &Solution) -> bool,
 ) -> Result<Solution, RadiosityError> {
+    solve_on(scene, options, &Cpu, stop, go_on)
+}
+
+/// As [`solve_until`], with form factors and perhaps the solver from elsewhere.
+///
+/// # Errors
+/// As [`solve_until`], and what the backend cannot do.
+pub fn solve_on(
+    scene: Arc<Scene>,
+    options: &SolveOptions,
+    backend: &dyn Backend,
+    stop: Stop<'_>,
+    go_on: impl FnMut(&Progress, &Solution) -> bool,
+) -> Result<Solution, RadiosityError> {
     let solution = unlit(scene, options, stop)?;
-    resume_until(solution, options, stop, go_on)
+    resume_on(solution, options, backend, stop, go_on)
 }
 
 /// Light before the first step: the mesh, its emitters, and what lights and sky bring directly.

@@ -51,7 +51,8 @@ pub use error::RadiosityError;
 pub use form_factor::{FormFactors, RayCast, RayCastOptions, Row};
 pub use gather::{GatherOptions, Gatherer};
 pub use job::{
-    Quality, SolveOptions, SolverKind, Way, resume, resume_until, solve, solve_until, unlit,
+    Quality, SolveOptions, SolverKind, Way, resume, resume_on, resume_until, solve, solve_on,
+    solve_until, unlit,
 };
 pub use patch::{NodeId, PatchMesh, PatchOptions};
 pub use solution::{EnergyBalance, Grouping, Solution};

@@ -35,11 +35,21 @@ fn main() -> ExitCode {
 
 /// Everything that `cargo test` finds in the workspace, the examples among it.
 fn test(args: &[&str]) -> bool {
-    cargo(&[&["test", "--workspace", "--locked"], args].concat(), &[])
+    // With the GPU, where there is one: a software driver does.
+    let all = [
+        "test",
+        "--workspace",
+        "--features",
+        "hemicube-cli/gpu",
+        "--locked",
+    ];
+    cargo(&[&all, args].concat(), &[])
 }
 
 fn check() -> bool {
     let packages = [
+        "shaders",
+        "gpu",
         "raster",
         "chart",
         "csg",

@@ -80,6 +80,9 @@ pub enum Verb {
     Environment(EnvironmentVerb),
     /// List the exhibits that show each technique at work, or draw them
     Gallery(GalleryVerb),
+    /// List the GPUs of this machine and what they can do
+    #[command(after_help = "Example:\n  hemicube adapters")]
+    Adapters,
     /// List the built-in scenes
     #[command(after_help = "Example:\n  hemicube scenes")]
     Scenes,

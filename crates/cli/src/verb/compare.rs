@@ -2,6 +2,7 @@
 
 use super::{note, refuse_misplaced};
 use crate::args::{CompareVerb, GlobalArgs};
+use crate::backend::chosen;
 use crate::failure::Failure;
 use crate::input::Input;
 use crate::interrupt;
@@ -99,7 +100,7 @@ struct Comparison {
     steps: u64,
     truth: Solution,
     variants: Vec<Variant>,
-    form_factors: &'static str,
+    form_factors: String,
 }
 
 impl Comparison {
@@ -117,8 +118,8 @@ impl Comparison {
             error => error.into(),
         })?;
         let mesh = start.mesh().clone();
-        let way = options.form_factors;
-        let factors = way.build(mesh, &options.form_factor_options())?;
+        let backend = chosen(&args.mesh, args.mesh.uses_gpu(None), global.quiet)?;
+        let factors = backend.form_factors(mesh, &options)?;
         let factors = Cached::new(factors, ROW_BUDGET);
         let bar = Bar::new("comparing", global.quiet);
         let truth = converged(&factors, &start, CONVERGED, |progress, _| {
@@ -148,7 +149,7 @@ impl Comparison {
             steps: args.steps,
             truth,
             variants,
-            form_factors: way.name(),
+            form_factors: backend.name(&options),
         };
         if comparison.variants.iter().all(|v| v.errors[0] == 0.0) {
             note(

@@ -1,5 +1,6 @@
 //! What the program does, one file for each verb.
 
+pub mod adapters;
 pub mod compare;
 pub mod completions;
 pub mod environment;
