@@ -21,6 +21,10 @@
 //! assert_eq!(count, 100);
 //! ```
 
+mod queue;
+
+pub(crate) use queue::{CoverageQueue, LANES};
+
 use crate::color::Rgb;
 use crate::image::Image;
 use core::ops::Range;
@@ -111,6 +115,17 @@ pub trait CoverageTarget {
 
     /// Covers pixels of a row from column `left` on, each by its share in [0, 1].
     fn cover(&mut self, row: i32, left: i32, shares: &[f32]);
+
+    /// Covers pixels of a row as a whole; as [`cover`](Self::cover) with shares of 1 unless a target is faster at it.
+    fn cover_whole(&mut self, row: i32, columns: Range<i32>) {
+        const WHOLE: [f32; 64] = [1.0; 64];
+        let mut left = columns.start;
+        while left < columns.end {
+            let count = (left..columns.end).len().min(WHOLE.len());
+            self.cover(row, left, &WHOLE[..count]);
+            left = left.saturating_add(64);
+        }
+    }
 }
 
 impl<F: FnMut(i32, Range<i32>)> Target for (Window, F) {
@@ -251,5 +266,9 @@ impl<P: Blend> CoverageTarget for Pen<'_, P> {
         for (pixel, &share) in pixels.iter_mut().zip(shares) {
             *pixel = pixel.blend(self.pixel, share);
         }
+    }
+    #[inline(always)]
+    fn cover_whole(&mut self, row: i32, columns: Range<i32>) {
+        self.span(row, columns);
     }
 }

@@ -132,3 +132,31 @@ fn areas_are_those_of_discs_and_rings() {
         );
     }
 }
+
+#[test]
+fn a_wide_window_is_covered_as_its_parts_are() {
+    // Wider than the columns that are worked on at a time; the parts are cut elsewhere.
+    let shares = |windows: &[Window]| {
+        let mut row = vec![0.0_f32; 3 * 13_000];
+        for &window in windows {
+            let cover = |y: i32, left: i32, shares: &[f32]| {
+                for (x, &share) in (left..).zip(shares) {
+                    row[(y * 13_000 + x) as usize] += share;
+                }
+            };
+            draw_circle(
+                &mut (window, cover),
+                DVec2::new(6500.3, 6001.2),
+                6000.0,
+                3.0,
+            );
+        }
+        row
+    };
+    let whole = shares(&[Window::new(0..13_000, 0..3)]);
+    let parts = shares(&[Window::new(0..5001, 0..3), Window::new(5001..13_000, 0..3)]);
+    assert!(whole.iter().sum::<f32>() > 100.0, "nothing is drawn");
+    for (x, (a, b)) in whole.iter().zip(&parts).enumerate() {
+        assert!((a - b).abs() < 1e-6, "pixel {x}: {a} and {b}");
+    }
+}

@@ -8,13 +8,19 @@
 //! ```
 //! The series is used for small `k`, where the difference would lose its digits. A ring is a disc less a smaller one.
 //!
+//! Only pixels that an edge runs through are integrated, four at a time: both borders of a column are moved to where the
+//! arc is in the row, so that a column left or right of it, or above or below, needs no branch. Runs of whole pixels
+//! between edges are handed over as such.
+//!
 //! # Current state
 //! Exact but for rounding: no pixel is off by more than 1e-6 for radii of up to 2^20 pixels. Pixels inside of a ring are
-//! not looked at. Working memory is one row of the window.
+//! not looked at. Working memory is two numbers for each column of the circle, of at most 4096 columns at a time. Below 4
+//! pixels of radius arcs are integrated one by one.
 
-use crate::target::CoverageTarget;
+use crate::target::{CoverageQueue, CoverageTarget, LANES};
 use core::ops::Range;
 use glam::DVec2;
+use wide::f64x4;
 
 /// Fills a disc. Pixel `(x, y)` is the square from there to `(x + 1, y + 1)`. Nothing is drawn unless all numbers are
 /// finite and the radius is above 0.
@@ -49,8 +55,12 @@ const LARGEST: f64 = 1e150;
     clippy::cast_possible_truncation,
     reason = "between two 32-bit numbers"
 )]
+#[inline(always)]
 fn clamped(number: f64, range: &Range<i32>) -> i32 {
-    number.max(f64::from(range.start)).min(f64::from(range.end)) as i32
+    let [start, end] = [f64::from(range.start), f64::from(range.end)];
+    // Comparisons, as `max` and `min` take longer for the sake of NaN.
+    let raised = if number > start { number } else { start };
+    (if raised < end { raised } else { end }) as i32
 }
 
 /// Covers what is between two circles.
@@ -60,42 +70,133 @@ fn cover(target: &mut impl CoverageTarget, center: DVec2, [outer, inner]: [f64; 
     if window.is_empty() || !is_drawn || center.is_nan() {
         return;
     }
-    let columns = window.left..window.right;
-    let rows = window.top..window.bottom;
-    let [first, end] = [(center.y - outer).floor(), (center.y + outer).ceil()];
-    let mut shares = Vec::new();
-    for row in clamped(first, &rows)..clamped(end, &rows) {
-        let row_of = |radius| DiscRow::new(radius, f64::from(row) - center.y);
-        let discs = [row_of(outer), row_of(inner)];
-        let [half, hole] = [discs[0].half_width(), discs[1].full_half_width()];
-        let left = clamped((center.x - half).floor(), &columns);
-        let right = clamped((center.x + half).ceil(), &columns);
-        // Pixels that lie in the hole as a whole.
-        let hole_start = clamped((center.x - hole).ceil(), &(left..right));
-        let hole_end = clamped((center.x + hole).floor(), &(hole_start..right));
-        for part in [left..hole_start, hole_end..right] {
-            if !part.is_empty() {
-                shares.clear();
-                shares.resize(part.len(), 0.0);
-                discs[0].add(1.0, part.start, center.x, &mut shares);
-                discs[1].add(-1.0, part.start, center.x, &mut shares);
-                for share in &mut shares {
-                    *share = share.clamp(0.0, 1.0);
-                }
-                target.cover(row, part.start, &shares);
-            }
-        }
+    let columns = clamped((center.x - outer).floor(), &(window.left..window.right))
+        ..clamped((center.x + outer).ceil(), &(window.left..window.right));
+    let mut left = columns.start;
+    while left < columns.end {
+        let right = left.saturating_add(TILE).min(columns.end);
+        cover_tile(target, center, [outer, inner], left..right);
+        left = right;
     }
 }
 
-/// What a disc around the origin has in a row of pixels.
-struct DiscRow {
+/// Columns whose heights are kept at a time.
+const TILE: i32 = 4096;
+
+/// Covers those columns of what is between two circles.
+fn cover_tile(
+    target: &mut impl CoverageTarget,
+    center: DVec2,
+    [outer, inner]: [f64; 2],
+    columns: Range<i32>,
+) {
+    let window = target.window();
+    let rows = window.top..window.bottom;
+    let [first, end] = [(center.y - outer).floor(), (center.y + outer).ceil()];
+    let outer = Disc::new(outer, center, &columns);
+    let inner = Disc::new(inner, center, &columns);
+    let queue = &mut CoverageQueue::new();
+    for row in clamped(first, &rows)..clamped(end, &rows) {
+        let disc = outer.row(row, &columns);
+        let hole = inner.row(row, &columns);
+        if hole.touched.is_empty() {
+            disc.cover(target, queue, row);
+        } else {
+            cover_ring(target, queue, row, [&disc, &hole]);
+        }
+    }
+    queue.flush(target);
+}
+
+/// Covers what a disc has in a row and a smaller one has not.
+fn cover_ring(
+    target: &mut impl CoverageTarget,
+    queue: &mut CoverageQueue,
+    row: i32,
+    [disc, hole]: [&DiscRow<'_>; 2],
+) {
+    let touched = &disc.touched;
+    let within = |column: i32| column.clamp(touched.start, touched.end);
+    let [near, far] = [&hole.touched, &hole.full].map(|r| within(r.start)..within(r.end));
+    let outside = |column| disc.areas(column);
+    let inside = |column| f64x4::ONE - hole.areas(column);
+    let between = |column| disc.areas(column) - hole.areas(column);
+    let left = [touched.start, disc.full.start, near.start, far.start];
+    let right = [far.end, near.end, disc.full.end, touched.end];
+    // An edge, whole pixels and the other edge, or both edges at once.
+    match left {
+        [start, from, to, end] if from < to => {
+            cover_edge(target, queue, row, start..from, outside);
+            target.cover_whole(row, from..to);
+            cover_edge(target, queue, row, to..end, inside);
+        }
+        [start, .., end] => cover_edge(target, queue, row, start..end, between),
+    }
+    match right {
+        [start, from, to, end] if from < to => {
+            cover_edge(target, queue, row, start..from, inside);
+            target.cover_whole(row, from..to);
+            cover_edge(target, queue, row, to..end, outside);
+        }
+        [start, .., end] => cover_edge(target, queue, row, start..end, between),
+    }
+}
+
+/// Covers pixels of an edge by four shares at a time, as those of a column and its next three.
+#[inline]
+fn cover_edge(
+    target: &mut impl CoverageTarget,
+    queue: &mut CoverageQueue,
+    row: i32,
+    columns: Range<i32>,
+    shares: impl Fn(i32) -> f64x4,
+) {
+    let mut left = columns.start;
+    while left < columns.end {
+        let count = (left..columns.end).len().min(LANES);
+        let shares = shares(left).fast_max(f64x4::ZERO).fast_min(f64x4::ONE);
+        queue.push(target, [row, left], shares.to_array().map(narrow), count);
+        left = left.saturating_add(4);
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
+#[inline(always)]
+fn narrow(number: f64) -> f32 {
+    number as f32
+}
+
+#[expect(clippy::cast_sign_loss, reason = "a column right of the first")]
+#[inline(always)]
+fn index(column: i32) -> usize {
+    column as usize
+}
+
+/// A disc of which many rows are asked for.
+struct Disc {
+    center: DVec2,
     radius: f64,
-    /// The parts of the row above and below the centre, by their distances from it; one of them may be empty.
+    /// First of its columns.
+    left: i32,
+    /// The circle's height at the columns' borders, and some numbers more.
+    heights: Vec<f64>,
+    /// `1 / (4 r^2)`, or 0.
+    per_4r2: f64,
+}
+
+/// What a disc has in a row of pixels.
+struct DiscRow<'a> {
+    disc: &'a Disc,
+    /// The parts of the row above and below the centre, by their distances from it; the second may be empty.
     bands: [Band; 2],
+    /// The columns that it touches.
+    touched: Range<i32>,
+    /// Those of them in which it is as high as the row.
+    full: Range<i32>,
 }
 
 /// A part of a row on one side of the centre.
+#[derive(Debug, Clone, Copy)]
 struct Band {
     /// Distances from the centre.
     near: f64,
@@ -105,117 +206,204 @@ struct Band {
 }
 
 /// The height of a circle, 0 beyond it.
+#[inline(always)]
 fn height(radius: f64, x: f64) -> f64 {
-    ((radius - x) * (radius + x)).max(0.0).sqrt()
+    let squared = (radius - x) * (radius + x);
+    // A comparison, as `max` takes longer for the sake of NaN.
+    (if squared > 0.0 { squared } else { 0.0 }).sqrt()
 }
 
-impl DiscRow {
-    /// The row from `top` to `top + 1`.
-    fn new(radius: f64, top: f64) -> Self {
-        let bottom = top + 1.0;
-        let band = |near: f64, far: f64| {
-            let [near, far] = [near.max(0.0), far.max(0.0)];
-            let half_widths = [near, far].map(|y| height(radius, y));
-            Band {
-                near,
-                far,
-                half_widths,
-            }
-        };
-        Self {
-            radius,
-            bands: [band(top, bottom), band(-bottom, -top)],
-        }
-    }
-
-    fn occupied(&self) -> impl Iterator<Item = &Band> {
-        self.bands.iter().filter(|band| band.near < band.far)
-    }
-
-    /// Half the width of the columns that it touches.
-    fn half_width(&self) -> f64 {
-        let widths = self.occupied().map(|band| band.half_widths[0]);
-        widths.fold(0.0, f64::max)
-    }
-
-    /// Half the width of the columns in which it is as high as the row.
-    fn full_half_width(&self) -> f64 {
-        let widths = self.occupied().map(|band| band.half_widths[1]);
-        widths.fold(f64::INFINITY, f64::min)
-    }
-
-    /// Adds `weight` times its areas in pixels from column `left` on.
-    fn add(&self, weight: f32, left: i32, center: f64, shares: &mut [f32]) {
-        if self.radius == 0.0 {
-            return;
-        }
-        let end = left.saturating_add(i32::try_from(shares.len()).unwrap_or(i32::MAX));
-        let columns = left..end;
-        let full = self.full_half_width();
-        let start = clamped((center - full).ceil(), &columns);
-        let full = start..clamped((center + full).floor(), &(start..end));
-        let index = |column: i32| usize::try_from(column - left).unwrap_or(0);
-        for column in (left..full.start).chain(full.end..end) {
-            shares[index(column)] += weight * self.area(f64::from(column) - center);
-        }
-        for share in &mut shares[index(full.start)..index(full.end)] {
-            *share += weight;
-        }
-    }
-
-    /// Its area in the pixel from `x` to `x + 1`.
-    #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
-    #[inline]
-    fn area(&self, x: f64) -> f32 {
-        let of = |side: [f64; 2]| -> f64 {
-            let [upper, lower] = &self.bands;
-            upper.area(self.radius, side) + lower.area(self.radius, side)
-        };
-        // Both sides of the centre are alike; a pixel above it has parts on both.
-        let area = if x >= 0.0 {
-            of([x, x + 1.0])
-        } else if x <= -1.0 {
-            of([-x - 1.0, -x])
+impl Disc {
+    fn new(radius: f64, center: DVec2, columns: &Range<i32>) -> Self {
+        let first = f64::from(columns.start) - center.x;
+        // Beyond the last border as many as a block of columns may read.
+        let borders = if radius > 0.0 {
+            columns.end - columns.start + 5
         } else {
-            of([0.0, x + 1.0]) + of([0.0, -x])
+            0
         };
-        area as f32
+        let mut heights = vec![0.0; index(borders)];
+        for (border, place) in (0..borders).zip(&mut heights) {
+            *place = height(radius, (first + f64::from(border)).abs());
+        }
+        Self {
+            left: columns.start,
+            heights,
+            center,
+            radius,
+            per_4r2: if radius > 0.0 {
+                0.25 / (radius * radius)
+            } else {
+                0.0
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn row(&self, row: i32, columns: &Range<i32>) -> DiscRow<'_> {
+        let top = f64::from(row) - self.center.y;
+        let bottom = top + 1.0;
+        let bands = if top < 0.0 && bottom > 0.0 {
+            [self.band(0.0, bottom), self.band(0.0, -top)]
+        } else {
+            let [near, far] = [top.abs().min(bottom.abs()), top.abs().max(bottom.abs())];
+            [
+                self.band(near, far),
+                Band {
+                    near: far,
+                    far,
+                    half_widths: [0.0, self.radius],
+                },
+            ]
+        };
+        let [half, full] = [
+            bands[0].half_widths[0].max(bands[1].half_widths[0]),
+            bands[0].half_widths[1].min(bands[1].half_widths[1]),
+        ];
+        let x = self.center.x;
+        let touched = clamped((x - half).floor(), columns)..clamped((x + half).ceil(), columns);
+        let start = clamped((x - full).ceil(), &touched);
+        let full = start..clamped((x + full).floor(), &(start..touched.end));
+        let touched = if half > 0.0 { touched } else { start..start };
+        DiscRow {
+            disc: self,
+            bands,
+            touched,
+            full,
+        }
+    }
+
+    #[inline(always)]
+    fn band(&self, near: f64, far: f64) -> Band {
+        Band {
+            near,
+            far,
+            half_widths: [height(self.radius, near), height(self.radius, far)],
+        }
+    }
+
+    /// The heights at the left and right borders of columns.
+    #[inline(always)]
+    fn heights_from(&self, left: i32) -> [f64x4; 2] {
+        let heights = &self.heights[index(left - self.left)..];
+        [four(heights), four(&heights[1..])]
+    }
+
+    /// The area between the circle and its chords over columns, which are at most half a disc.
+    #[inline(always)]
+    fn segments(&self, chords_squared: f64x4) -> f64x4 {
+        let k2 = chords_squared * self.per_4r2;
+        let k = k2.sqrt();
+        let of_unit = if self.per_4r2 < LARGEST_FOR_SERIES {
+            let rest = f64x4::splat(3.0 / 28.0) + k2 * (5.0 / 72.0);
+            k * k2 * (f64x4::splat(2.0 / 3.0) + k2 * (f64x4::splat(1.0 / 5.0) + k2 * rest))
+        } else {
+            f64x4::from(k.to_array().map(segment))
+        };
+        of_unit * (self.radius * self.radius)
     }
 }
+
+impl DiscRow<'_> {
+    /// Covers all of it.
+    fn cover(&self, target: &mut impl CoverageTarget, queue: &mut CoverageQueue, row: i32) {
+        let Range { start, end } = self.full;
+        let shares = |column| self.areas(column);
+        cover_edge(target, queue, row, self.touched.start..start, shares);
+        if start < end {
+            target.cover_whole(row, start..end);
+        }
+        cover_edge(target, queue, row, end..self.touched.end, shares);
+    }
+
+    /// Its areas in pixels from column `left` on.
+    #[inline(always)]
+    fn areas(&self, left: i32) -> f64x4 {
+        let first = f64::from(left) - self.disc.center.x;
+        let start = f64x4::splat(first) + STEPS;
+        let borders = [start.abs(), (start + f64x4::ONE).abs()];
+        let areas = self.between(borders, self.disc.heights_from(left));
+        // Both sides of the centre are alike; a pixel above it has parts on both.
+        if first < 0.0 && first > -(LANES as f64) && first.fract() != 0.0 {
+            self.with_centre(areas, first)
+        } else {
+            areas
+        }
+    }
+
+    /// Areas of which one is that of the pixel above the centre.
+    #[cold]
+    fn with_centre(&self, areas: f64x4, first: f64) -> f64x4 {
+        let own = -first.floor() - 1.0;
+        let borders = [-first - own, first + own + 1.0, 0.0, 0.0];
+        let heights = borders.map(|x| height(self.disc.radius, x));
+        let start = [f64x4::ZERO, f64x4::splat(self.disc.radius)];
+        let halves = self.between([start[0], borders.into()], [start[1], heights.into()]);
+        let [a, b, ..] = halves.to_array();
+        let mut areas = areas.to_array();
+        areas[lane(own)] = a + b;
+        areas.into()
+    }
+
+    /// The areas between two borders each on the same side of the centre.
+    #[inline(always)]
+    fn between(&self, borders: [f64x4; 2], heights: [f64x4; 2]) -> f64x4 {
+        let areas = self.bands[0].areas(self.disc, borders, heights);
+        if self.bands[1].near < self.bands[1].far {
+            areas + self.bands[1].areas(self.disc, borders, heights)
+        } else {
+            areas
+        }
+    }
+}
+
+/// The first four of some numbers; 0 if they are fewer.
+#[inline(always)]
+fn four(numbers: &[f64]) -> f64x4 {
+    numbers.first_chunk().copied().unwrap_or_default().into()
+}
+
+/// The first four whole numbers.
+const STEPS: f64x4 = f64x4::new([0.0, 1.0, 2.0, 3.0]);
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "one of a few lanes"
+)]
+#[inline(always)]
+fn lane(number: f64) -> usize {
+    number as usize
+}
+
+/// `1 / (4 r^2)` from which on chords through a pixel are too long for the series: 4 pixels of radius.
+const LARGEST_FOR_SERIES: f64 = 1.0 / 64.0;
 
 impl Band {
-    /// The area between two columns right of the centre.
-    #[inline]
-    fn area(&self, radius: f64, [start, end]: [f64; 2]) -> f64 {
-        if self.near >= self.far {
-            return 0.0;
-        }
-        let [arc_end, arc_start] = self.half_widths;
-        let full = (end.min(arc_start) - start).max(0.0) * (self.far - self.near);
-        let [start, end] = [start.max(arc_start), end.min(arc_end)];
-        if start >= end {
-            return full;
-        }
-        full + area_under_arc(radius, start, end, self.near)
+    /// The areas between columns at distances from the centre where the circle has the given heights.
+    #[inline(always)]
+    fn areas(&self, disc: &Disc, x: [f64x4; 2], heights: [f64x4; 2]) -> f64x4 {
+        let (near, far) = (f64x4::splat(self.near), f64x4::splat(self.far));
+        let arc_end = f64x4::splat(self.half_widths[0]);
+        let arc_start = f64x4::splat(self.half_widths[1]);
+        let full = (x[1].fast_min(arc_start) - x[0].fast_min(arc_start)).abs() * (far - near);
+        let on_arc = |x: f64x4| x.fast_max(arc_start).fast_min(arc_end);
+        let in_row = |height: f64x4| height.fast_max(near).fast_min(far);
+        let (high, low) = (in_row(heights[0]), in_row(heights[1]));
+        let across = (on_arc(x[1]) - on_arc(x[0])).abs();
+        let down = high - low;
+        let below_chord = across * ((high + low) * 0.5 - near);
+        full + below_chord + disc.segments(across * across + down * down)
     }
 }
 
-/// The area between a circle and the line at height `base`, from `start` to `end`.
-fn area_under_arc(radius: f64, start: f64, end: f64, base: f64) -> f64 {
-    let [high, low] = [height(radius, start), height(radius, end)];
-    let below_chord = (end - start) * (0.5 * (high + low) - base);
-    let chord = ((end - start).powi(2) + (high - low).powi(2)).sqrt();
-    below_chord + segment(radius, chord)
-}
-
-/// The area between a chord and its arc, at most half a disc.
-fn segment(radius: f64, chord: f64) -> f64 {
-    let k = (chord / (2.0 * radius)).min(1.0);
+/// The area between a chord of length `2 k` and its arc of a circle of radius 1, at most half a disc.
+fn segment(k: f64) -> f64 {
+    let k = k.min(1.0);
     let k2 = k * k;
-    let of_unit = if k < 0.2 {
+    if k < 0.2 {
         k * k2 * (2.0 / 3.0 + k2 * (1.0 / 5.0 + k2 * (3.0 / 28.0 + k2 * (5.0 / 72.0))))
     } else {
         k.asin() - k * (1.0 - k2).sqrt()
-    };
-    radius * radius * of_unit
+    }
 }

@@ -210,5 +210,8 @@ fn narrow(number: f64) -> f32 {
 )]
 #[inline(always)]
 fn clamped(number: f64, range: &Range<i32>) -> i32 {
-    number.max(f64::from(range.start)).min(f64::from(range.end)) as i32
+    let [start, end] = [f64::from(range.start), f64::from(range.end)];
+    // Comparisons, as `max` and `min` take longer for the sake of NaN.
+    let raised = if number > start { number } else { start };
+    (if raised < end { raised } else { end }) as i32
 }

@@ -202,7 +202,7 @@ impl Strip {
 
     /// Whether a row has so few of its pixels that they are found all at once.
     pub fn is_narrow(&self) -> bool {
-        self.reach < 0.5 * (MANY - 1) as f64 && !self.free_rows.is_empty()
+        2.0 * self.reach < MANY as f64 && !self.free_rows.is_empty()
     }
 
     /// Covers pixels of rows that see no end, all of a narrow strip's row at once.
@@ -213,55 +213,80 @@ impl Strip {
         rows: Range<i32>,
         columns: &Range<i32>,
     ) {
-        if self.reach < 0.5 * (FEW - 1) as f64 {
-            self.cover_few::<FEW>(target, rows, columns);
-        } else if self.reach < 0.5 * (LANES - 1) as f64 {
-            self.cover_few::<LANES>(target, rows, columns);
-        } else {
-            self.cover_few::<MANY>(target, rows, columns);
+        // An interval of a length below N has at most N whole numbers.
+        match 2.0 * self.reach {
+            length if length < 3.0 => self.cover_few::<3, 4>(target, rows, columns),
+            length if length < 4.0 => self.cover_few::<4, 4>(target, rows, columns),
+            length if length < 6.0 => self.cover_few::<6, LANES>(target, rows, columns),
+            length if length < 8.0 => self.cover_few::<8, LANES>(target, rows, columns),
+            length if length < 12.0 => self.cover_few::<12, MANY>(target, rows, columns),
+            _ => self.cover_few::<MANY, MANY>(target, rows, columns),
         }
     }
 
-    /// `N` pixels of each row; those that the strip does not touch are covered by 0.
+    /// `N` pixels of each row, computed as `WIDTH` at once; those that the strip does not touch are covered by 0.
     ///
     /// In blocks: first the coverages of all rows, then the target. Rows of a picture lie far apart in memory, and with
     /// little to do between them a processor waits for many at once.
     #[inline(always)]
-    fn cover_few<const N: usize>(
+    fn cover_few<const N: usize, const WIDTH: usize>(
         &self,
         target: &mut impl CoverageTarget,
         rows: Range<i32>,
         columns: &Range<i32>,
     ) {
-        let mut block = [(0.0, [0.0; N]); BLOCK];
+        let mut shares = [[0.0; WIDTH]; BLOCK];
         let mut top = rows.start;
         while top < rows.end {
             let count = (top..rows.end).len().min(BLOCK);
-            for (row, place) in (top..).zip(&mut block[..count]) {
-                *place = self.shares_of_row(row);
+            let (firsts, inside) = self.first_pixels(top);
+            for (shares, inside) in shares[..count].iter_mut().zip(&inside) {
+                *shares = self.shares_from(*inside);
             }
-            for (row, (first, shares)) in (top..).zip(&block[..count]) {
-                cover_within(target, row, *first, shares, columns);
+            for ((row, first), shares) in (top..).zip(&firsts[..count]).zip(&shares) {
+                cover_within::<N>(target, row, *first, &shares[..N], columns);
             }
             top = top.saturating_add(16);
         }
     }
 
-    /// The first column whose pixel's centre is within reach, and the shares from there on.
+    /// Of each row from `top` on: the first column whose pixel's centre is within reach, and how far inside of both
+    /// sides it is, the other side's counted as negative.
     #[inline(always)]
-    fn shares_of_row<const N: usize>(&self, row: i32) -> (f64, [f32; N]) {
+    fn first_pixels(&self, top: i32) -> ([f64; BLOCK], [[f32; 2]; BLOCK]) {
         let drift = -self.normal.y * self.sides[0].inverse;
-        let down = f64::from(row) + 0.5 - self.origin.y;
-        let first = (self.origin.x + drift * down - self.reach - 0.5).ceil();
-        let right = first + 0.5 - self.origin.x;
-        let distance = self.normal.x * right + self.normal.y * down;
-        let inside = [distance + self.half, distance - self.half].map(narrow);
+        let down = f64::from(top) + 0.5 - self.origin.y;
+        let left = self.origin.x - self.reach - 0.5;
+        let mut firsts = [0.0; BLOCK];
+        let mut inside = [[0.0; 2]; BLOCK];
+        for row in 0..BLOCK {
+            let down = down + row as f64;
+            let first = (left + drift * down).ceil();
+            let right = first + 0.5 - self.origin.x;
+            let distance = self.normal.x * right + self.normal.y * down;
+            firsts[row] = first;
+            inside[row] = [narrow(distance + self.half), narrow(distance - self.half)];
+        }
+        (firsts, inside)
+    }
+
+    /// The shares of pixels of a row of which the first one is so far inside.
+    #[inline(always)]
+    fn shares_from<const WIDTH: usize>(&self, inside: [f32; 2]) -> [f32; WIDTH] {
         let step = narrow(self.normal.x);
-        let shares = std::array::from_fn(|lane| {
-            let gone = step * LANE[lane];
-            self.edge.share(inside[0] + gone) - self.edge.share(inside[1] + gone)
-        });
-        (first, shares)
+        if 2 * WIDTH == LANES {
+            // Both sides in one vector.
+            let both: [f32; LANES] = std::array::from_fn(|lane| {
+                let gone = step * LANE[lane % WIDTH];
+                self.edge.share(inside[lane / WIDTH] + gone)
+            });
+            std::array::from_fn(|lane| both[lane] - both[lane + WIDTH])
+        } else {
+            std::array::from_fn(|lane| {
+                let gone = step * LANE[lane];
+                self.edge.share(inside[0] + gone) - self.edge.share(inside[1] + gone)
+            })
+        }
     }
 
     /// Adds the coverages of pixels of a row that see no end.
@@ -272,11 +297,7 @@ impl Strip {
             let centre = DVec2::new(f64::from(column), f64::from(row)) + 0.5 - self.origin;
             let distance = self.normal.dot(centre);
             let inside = [distance + self.half, distance - self.half].map(narrow);
-            let step = narrow(self.normal.x);
-            let shares: [f32; LANES] = std::array::from_fn(|lane| {
-                let gone = step * LANE[lane];
-                self.edge.share(inside[0] + gone) - self.edge.share(inside[1] + gone)
-            });
+            let shares: [f32; LANES] = self.shares_from(inside);
             for (sum, share) in sums.iter_mut().zip(shares) {
                 *sum += share;
             }
@@ -291,10 +312,7 @@ const LANES: usize = 8;
 /// Rows at once.
 const BLOCK: usize = 16;
 
-/// As many as a row of a steep line of width 1 has.
-const FEW: usize = 4;
-
-/// As many as a row of one has that is seven times flatter.
+/// As many as a row of a line of width 1 has whose columns are seven times its rows.
 const MANY: usize = 16;
 
 /// 0, 1, 2 and so on.
@@ -314,10 +332,10 @@ fn cover_within<const N: usize>(
     target: &mut impl CoverageTarget,
     row: i32,
     first: f64,
-    shares: &[f32; N],
+    shares: &[f32],
     columns: &Range<i32>,
 ) {
-    let [start, end] = [columns.start, columns.end].map(f64::from);
+    let [start, end] = [f64::from(columns.start), f64::from(columns.end)];
     if first >= start && first + N as f64 <= end {
         target.cover(row, clamped(first, columns), shares);
     } else if first < end && first + N as f64 > start {
