@@ -7,7 +7,7 @@ use crate::output::Target;
 use crate::progress::Bar;
 use glam::Vec3;
 use hemicube::radiosity::Solution;
-use hemicube::raster::environment::{self, EnvironmentMap};
+use hemicube::raster::environment::{EnvironmentMap, projection_of_size};
 use hemicube::raster::image::{ReadOptions, read_picture};
 use hemicube::raster::tonemap::Exposure;
 use hemicube::raster::triangle::Viewport;
@@ -196,8 +196,14 @@ fn surroundings(path: &Path) -> Result<EnvironmentMap, Failure> {
     let bytes = read(path)?;
     let picture =
         read_picture(&bytes, &ReadOptions::default()).map_err(|e| refused(e.to_string()))?;
-    EnvironmentMap::new(environment::Projection::LatLong, &[picture.rgb()])
-        .map_err(|e| refused(e.to_string()))
+    let image = picture.rgb();
+    let (width, height) = (image.width(), image.height());
+    let projection = projection_of_size(width, height).ok_or_else(|| {
+        refused(format!(
+            "{width} x {height} pixels are neither a panorama (2:1) nor a cube (4:3, 3:4, 6:1, 1:6); `hemicube environment convert` makes one"
+        ))
+    })?;
+    EnvironmentMap::from_image(projection, &image).map_err(|e| refused(e.to_string()))
 }
 
 fn camera(solution: &Solution, args: &PictureArgs) -> Result<Camera, Failure> {

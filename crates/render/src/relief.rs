@@ -49,7 +49,9 @@ pub(crate) fn bumped(
     } else {
         gradient
     };
-    let length = in_texture.length().clamp(0.05, 1.0);
+    // Eight bits a coordinate make a unit normal shorter by up to this, which is no roughness.
+    const ROUNDING: f32 = 1.732 / 255.0;
+    let length = (in_texture.length() + ROUNDING).clamp(0.05, 1.0);
     Bumped {
         normal: gradient.apply(normal),
         // Toksvig 2005: unit normals of variance s² have a mean of length 1 / (1 + s²), about.

@@ -74,8 +74,9 @@ pub struct PictureArgs {
     /// One colour an element, smooth, or light gathered at each pixel (slow, sharp shadows) [default: gouraud]
     #[arg(long, value_parser = parse::choice(&Shading::ALL, Shading::name))]
     pub shading: Option<Shading>,
-    /// Samples of each pixel, their pattern and filter: N or NxN, then -jittered, then :box, :bartlett, :gaussian, :mitchell,
-    /// :blackman-harris or :lanczos, as in 4x4:bartlett or 4-jittered:mitchell [default: 3x3]
+    /// Samples of each pixel, their pattern and filter: none, or N or NxN up to 32, then -jittered (or -jittered@BOUND, in
+    /// pixels, else 1/6), then :box, :bartlett (or :bartlett-5x5), :gaussian, :mitchell, :blackman-harris or :lanczos, as in
+    /// 4x4:bartlett or 4-jittered:mitchell [default: 3x3]
     #[arg(
         long,
         value_name = "NxN[-jittered][:FILTER]",

@@ -129,6 +129,16 @@ fn text(font: &[u8], size: DVec2) -> Result<Outline, GalleryError> {
     };
     let font = FontRef::new(font)
         .map_err(|error| unusable(&format!("{error}; give a TrueType or OpenType font")))?;
+    let has = |c: char| c.is_whitespace() || font.charmap().map(c).is_some();
+    if let Some(missing) = LINES
+        .iter()
+        .flat_map(|line| line.chars())
+        .find(|&c| !has(c))
+    {
+        return Err(unusable(&format!(
+            "it has no letter '{missing}'; give a Latin font"
+        )));
+    }
     let margin = 0.06 * size.min_element();
     let room = size - 2.0 * margin;
     let widest = LINES

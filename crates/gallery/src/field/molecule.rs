@@ -136,7 +136,9 @@ fn paint(values: &[f32]) -> FieldPaint {
         width: 1.2,
         ..Isolines::default()
     };
-    FieldPaint::new(Colormap::diverging(), [-5.0 * spacing, 5.0 * spacing]).with_isolines(lines)
+    // Chemists draw what attracts positive charges in red.
+    let colors = Colormap::diverging().reversed();
+    FieldPaint::new(colors, [-5.0 * spacing, 5.0 * spacing]).with_isolines(lines)
 }
 
 /// From the front; or, where the potential is known on the smaller part of the surface only, from the side of that

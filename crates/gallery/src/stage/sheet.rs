@@ -44,8 +44,8 @@ impl Grid {
     ) -> Result<Self, GalleryError> {
         let (width, height) = request.size.unwrap_or(default);
         let refused = |why| GalleryError::Size { width, height, why };
-        if width.max(height) > 1 << 14 {
-            return Err(refused("each side is at most 16384"));
+        if width.max(height) > 4096 {
+            return Err(refused("each side is at most 4096"));
         }
         let probe = Self::of_cells(columns, (0, 0), lines);
         let texts = rows * (probe.text_height() + MARGIN) + MARGIN;

@@ -28,6 +28,13 @@ impl Colormap {
         ])
     }
 
+    /// The same colours the other way round.
+    #[must_use]
+    pub fn reversed(mut self) -> Self {
+        self.entries.reverse();
+        self
+    }
+
     /// From blue over a light grey in the middle to red; both halves are equally dark at equal distances from the
     /// middle.
     pub fn diverging() -> Self {

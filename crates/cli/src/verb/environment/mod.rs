@@ -25,6 +25,7 @@ pub fn run(args: &EnvironmentVerb, global: GlobalArgs, start: Instant) -> Result
 
 fn run_convert(task: &ConvertTask, global: GlobalArgs) -> Result<(), Failure> {
     let outputs = Outputs::check(&task.output, task.to, task.layout)?;
+    refuse_size(task)?;
     let input = files::read(&task.input, task.from)?;
     if !input.map.projection().covers_sphere() && task.to.covers_sphere() {
         note(
@@ -40,6 +41,20 @@ fn run_convert(task: &ConvertTask, global: GlobalArgs) -> Result<(), Failure> {
     let tones = Tones::new(task.tones, input.is_8_bit);
     let written = outputs.write(&map, tones)?;
     report(&input.map, &map, &conversion, &written, global)
+}
+
+/// Refuses a target that would take too much memory: some 36 bytes a texel.
+fn refuse_size(task: &ConvertTask) -> Result<(), Failure> {
+    const MOST: u64 = 1 << 26;
+    let rows = u64::from(task.size.unwrap_or(0));
+    let texels = task.to.faces() as u64 * rows * rows;
+    if texels <= MOST {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "--size {rows}: {texels} texels of a {} are more than {MOST}; ask for fewer rows",
+        task.to
+    )))
 }
 
 /// What was made of what, and what became of the light.
