@@ -283,6 +283,38 @@ fn vs3(text: &str) -> Arc<PatchMesh> {
 
 /// What View3D prints: the area of the base with the covered half, the mask as a row that sees its base alone.
 /// By symmetry each half of the lower square gets half of the factor between unit squares at a distance of 1.
+/// Two one-sided squares back to back, and one opposite.
+const BACK_TO_BACK: &str = "T back to back\nF 3\n\
+V 1 0 0 0\nV 2 1 0 0\nV 3 1 1 0\nV 4 0 1 0\n\
+V 5 0 0 1\nV 6 1 0 1\nV 7 1 1 1\nV 8 0 1 1\n\
+S 1 1 2 3 4 0 0 0.9 up\nS 2 4 3 2 1 0 0 0.9 down\nS 3 8 7 6 5 0 0 0.9 top\nEnd Of Data\n";
+
+#[test]
+fn what_exact_factors_leave_goes_to_the_sky_to_the_last_digit() {
+    const PARALLEL: f64 = 0.199_824_895_7;
+    let mesh = vs3(BACK_TO_BACK);
+    let surfaces = Surfaces::new(&mesh, SurfacesBy::Object);
+    for seed in 0..4 {
+        let options = AnalyticOptions {
+            seed,
+            ..AnalyticOptions::default()
+        };
+        let way = Analytic::new(mesh.clone(), options).expect("good");
+        let matrix = ViewFactorMatrix::build_by(&way, &surfaces, stored(Storage::Dense), NEVER);
+        let matrix = matrix.expect("it fits");
+        for (row, expected) in [1.0 - PARALLEL, 1.0, 1.0 - PARALLEL]
+            .into_iter()
+            .enumerate()
+        {
+            let sky = matrix.sky()[row];
+            assert!(
+                (sky - expected).abs() < 1e-6,
+                "row {row}, seed {seed}: {sky}"
+            );
+        }
+    }
+}
+
 #[test]
 fn masks_and_their_bases_are_as_view3d_has_them() {
     const PARALLEL: f64 = 0.199_824_895_7;

@@ -52,8 +52,8 @@ pub struct FactorArgs {
     /// What a row stands for [default: face; object for .vs3]
     #[arg(long, value_name = "WHAT", value_parser = parse::choice(&SurfacesBy::ALL, SurfacesBy::name))]
     pub by: Option<SurfacesBy>,
-    /// Way to the form factors; only those of analytic have no noise (what sky and backs get is told by rays in all of
-    /// them, within about 0.02) [default: analytic]
+    /// Way to the form factors; only analytic has no noise, but for how what is missing to 1 is split between sky and
+    /// backs, which rays tell [default: analytic]
     #[arg(long, value_name = "METHOD", value_parser = parse::choice(&FormFactorKind::ALL, FormFactorKind::name))]
     pub method: Option<FormFactorKind>,
     /// Wanted error of each factor, for analytic; smaller takes longer only where others are in the way [default: 1e-5]

@@ -390,8 +390,9 @@ impl Lost {
         }
         let one_ray = 1.0 / f64::from(self.rays);
         let error = (lost * (1.0 - lost).max(one_ray) * one_ray).sqrt();
+        let reach = 5.0 * error + 0.02;
         let rest = (1.0 - received)
-            .clamp(lost - error, lost + error)
+            .clamp(lost - reach, lost + reach)
             .clamp(0.0, 1.0);
         (rest * self.escaped / lost, rest * self.absorbed / lost)
     }
