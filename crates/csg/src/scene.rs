@@ -90,10 +90,11 @@ impl Scene {
         self
     }
 
-    /// With at most so many mirrors between the eye and what it sees; behind the last one a mirror shows the sky.
+    /// With at most so many mirrors between the eye and what it sees; behind the last one a mirror shows the sky. More than
+    /// 256 count as 256: each takes a place on the stack.
     /// Default value: 6.
     pub fn with_reflections(mut self, most: u32) -> Self {
-        self.reflections = most;
+        self.reflections = most.min(256);
         self
     }
 
