@@ -33,6 +33,7 @@ pub struct Report {
     rays: u64,
     seconds: f64,
     unshot_fraction: f64,
+    noise: Option<f64>,
     balance: Vec<Balance>,
 }
 
@@ -134,6 +135,7 @@ impl Report {
             rays: provenance.rays,
             seconds: provenance.seconds,
             unshot_fraction: solution.unshot_fraction(),
+            noise: provenance.noise,
             balance: (0..BANDS).map(balance).collect(),
         }
     }
@@ -141,6 +143,18 @@ impl Report {
     /// As JSON: what a lit .glb keeps.
     pub fn to_json(&self) -> serde_json::Value {
         serde_json::to_value(self).expect("a report is plain numbers and text")
+    }
+
+    /// How far the light is from its end.
+    fn what_is_left(&self) -> String {
+        let unshot = percent(self.unshot_fraction);
+        match self.noise {
+            Some(noise) => format!(
+                "noise     {} of the irradiance (standard error, root mean square over the elements)",
+                percent(noise)
+            ),
+            None => format!("unshot    {unshot} of the emitted light"),
+        }
     }
 
     /// As a few lines for people.
@@ -157,7 +171,7 @@ impl Report {
             "scene     {} ({})
 mesh      {}, {}
 solved    {}, {}, seed {}: {}, {}, {:.1} s; {end}
-unshot    {} of the emitted light
+{}
 energy    {:>14} {:>13} {:>13} {:>13} {:>9}
 ",
             crate::failure::one_line(&self.scene),
@@ -174,7 +188,7 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
             counted(self.steps, "step"),
             counted(self.rays, "ray"),
             self.seconds,
-            percent(self.unshot_fraction),
+            self.what_is_left(),
             format!("emitted {}", self.flux_unit),
             "absorbed",
             "unshot",

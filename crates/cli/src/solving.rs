@@ -137,16 +137,17 @@ impl Watch {
             let elapsed = self.start.elapsed();
             let first = *first.get_or_insert(progress.unshot);
             let steps = progress.iteration - steps_before;
-            bar.show(
-                self.share_done(first, progress.unshot, steps, elapsed, &options),
-                || {
-                    format!(
-                        "step {}, {} unshot",
-                        progress.iteration,
-                        percent(progress.unshot)
-                    )
-                },
-            );
+            let done = match progress.noise {
+                // It falls with the root of the work.
+                Some(noise) => (options.noise / noise).powi(2),
+                None => {
+                    let wanted = options.tolerance.max(1e-6);
+                    (first / progress.unshot).ln() / (first / wanted).ln()
+                }
+            };
+            bar.show(self.share_done(done, steps, elapsed, &options), || {
+                state(progress)
+            });
             self.reason().is_none()
         })
         .map_err(|error| self.failure(error))?;
@@ -199,14 +200,11 @@ impl Watch {
     /// Share of the work that is done: what is unshot falls exponentially, and the first limit ends the work.
     fn share_done(
         &self,
-        first: f64,
-        unshot: f64,
+        of_light: f64,
         steps: u64,
         elapsed: Duration,
         options: &SolveOptions,
     ) -> f64 {
-        let tolerance = options.tolerance.max(1e-6);
-        let of_light = (first / unshot).ln() / (first / tolerance).ln();
         let of_steps = options
             .max_steps
             .map_or(0.0, |most| steps as f64 / most.max(1) as f64);
@@ -215,6 +213,16 @@ impl Watch {
             .map_or(0.0, |limit| elapsed.as_secs_f64() / limit.as_secs_f64());
         of_light.max(of_steps).max(of_time)
     }
+}
+
+/// A solver's state for people who wait.
+fn state(progress: &Progress) -> String {
+    let left = match progress.noise {
+        Some(noise) if noise.is_finite() => format!("noise {}", percent(noise)),
+        Some(_) => String::from("direct light"),
+        None => format!("{} unshot", percent(progress.unshot)),
+    };
+    format!("step {}, {left}", progress.iteration)
 }
 
 /// A share in percent with two significant digits.

@@ -211,6 +211,7 @@ impl Solver for GpuShooting {
             iteration: self.solution.provenance.steps,
             unshot: f64::from(self.state.unshot) / emitted,
             residual: f64::from(self.state.largest) / emitted,
+            noise: None,
         }
     }
 

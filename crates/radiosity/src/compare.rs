@@ -7,8 +7,8 @@ use crate::job::{SolverKind, Way};
 use crate::solution::Solution;
 use crate::solve::element_gathering::ElementGathering;
 use crate::solve::{
-    MatrixSolverKind, NotStarted, OnMatrix, Order, Progress, Shooting, Solver, ambient_irradiance,
-    run,
+    MatrixSolverKind, NotStarted, OnMatrix, Order, Progress, Shooting, Solver, Stochastic,
+    StochasticOptions, ambient_irradiance, run,
 };
 use crate::stop::Stop;
 use hemicube_raster::Rgb;
@@ -71,7 +71,8 @@ pub fn converged(
 ///
 /// A step is what one row of form factors brings: a shot, or a patch that gathers. A sweep of Jacobi or Gauss-Seidel
 /// and a whole elimination count as many steps as there are patches, an iteration of conjugate gradients twice as
-/// many; until they are paid for, nothing new is shown.
+/// many; until they are paid for, nothing new is shown. A stochastic solver casts 256 rays for each element of an average
+/// patch, and shows what its next whole step of them brings.
 ///
 /// # Errors
 /// A matrix that takes more memory than allowed.
@@ -99,7 +100,35 @@ pub fn variant(
             Err(NotStarted::Stopped(_)) => None,
             Err(NotStarted::Failed(error)) => return Err(error),
         },
+        Way::Stochastic => {
+            let options = StochasticOptions {
+                noise: f64::MIN_POSITIVE,
+                ..StochasticOptions::default()
+            };
+            let elements = start.mesh().elements().len() as u64;
+            let price = u64::from(options.rays) * elements.div_ceil(patches);
+            let solver = Stochastic::new(start, options)?;
+            follow(&mut ByRays { solver, price })
+        }
     })
+}
+
+/// A solver without rows: a step pays for the rays of one that casts 256 for each element of a patch.
+struct ByRays {
+    solver: Stochastic,
+    price: u64,
+}
+
+impl Work for ByRays {
+    fn advance(&mut self, steps: u64) {
+        while self.solver.rays() < steps * self.price && !self.solver.is_exhausted() {
+            self.solver.step();
+        }
+    }
+
+    fn shown(&self) -> &Solution {
+        self.solver.solution()
+    }
 }
 
 /// Work that is paid in steps of one row each.

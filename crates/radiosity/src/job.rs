@@ -12,7 +12,8 @@ use crate::patch::{PatchMesh, PatchOptions};
 use crate::primary::primary_irradiance_until;
 use crate::solution::{BANDS, Grouping, Provenance, Solution};
 use crate::solve::{
-    MatrixSolverKind, NotStarted, OnMatrix, Order, Progress, Shooting, Solver, run,
+    MatrixSolverKind, NotStarted, OnMatrix, Order, Progress, Shooting, Solver, Stochastic,
+    StochasticOptions, run,
 };
 use crate::stop::{NEVER, Stop};
 use hemicube_scene::Scene;
@@ -39,6 +40,8 @@ pub struct SolveOptions {
     pub seed: u64,
     /// Unshot share of the emitted flux at which the solution is finished. Default value: 5e-4.
     pub tolerance: f64,
+    /// Relative standard error of the irradiance at which [`SolverKind::Stochastic`] is finished. Default value: 0.03.
+    pub noise: f64,
     /// Most steps: shots, or steps of a matrix method ([`OnMatrix`]). Default value: none.
     pub max_steps: Option<u64>,
     /// Way to the equilibrium. Default value: sorted shooting with the ambient term for display.
@@ -73,11 +76,13 @@ pub enum SolverKind {
     Overshooting,
     /// Conjugate gradients on the matrix.
     ConjugateGradient,
+    /// Light is carried by rays; the cost does not grow with the square of the scene.
+    Stochastic,
 }
 
 impl SolverKind {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Gauss,
         Self::Jacobi,
         Self::GaussSeidel,
@@ -88,6 +93,7 @@ impl SolverKind {
         Self::AmbientShooting,
         Self::Overshooting,
         Self::ConjugateGradient,
+        Self::Stochastic,
     ];
 
     /// Name on the command line and in reports.
@@ -103,6 +109,19 @@ impl SolverKind {
             Self::AmbientShooting => "ambient-shooting",
             Self::Overshooting => "overshooting",
             Self::ConjugateGradient => "conjugate-gradient",
+            Self::Stochastic => "stochastic",
+        }
+    }
+
+    /// The best for a scene of so many faces, to be cut into about so many elements beyond those: sorted shooting as long
+    /// as its shots are few, rays beyond.
+    pub fn for_size(faces: usize, elements: usize) -> Self {
+        /// From here on rays are faster to the same error, as measured on the built-in scenes.
+        const MANY: usize = 40_000;
+        if faces.saturating_add(elements) > MANY {
+            Self::Stochastic
+        } else {
+            Self::AmbientShooting
         }
     }
 
@@ -118,6 +137,7 @@ impl SolverKind {
             Self::Shooting => Way::Shooting(Order::Cyclic),
             Self::SortedShooting | Self::AmbientShooting => Way::Shooting(Order::Sorted),
             Self::Overshooting => Way::Shooting(Order::Overshooting),
+            Self::Stochastic => Way::Stochastic,
         }
     }
 }
@@ -129,6 +149,8 @@ pub enum Way {
     Shooting(Order),
     /// All form factors between patches: `4 n²` bytes or more.
     OnMatrix(MatrixSolverKind),
+    /// Rays alone.
+    Stochastic,
 }
 
 /// Presets for people who want no other knob.
@@ -159,10 +181,10 @@ impl Quality {
 
 impl From<Quality> for SolveOptions {
     fn from(quality: Quality) -> Self {
-        let (elements, patches, rays, tolerance) = match quality {
-            Quality::Draft => (1000, 150, 128, 5e-3),
-            Quality::Normal => (4000, 400, 256, 5e-4),
-            Quality::Final => (30_000, 1600, 512, 2e-4),
+        let (elements, patches, rays, tolerance, noise) = match quality {
+            Quality::Draft => (1000, 150, 128, 5e-3, 0.1),
+            Quality::Normal => (4000, 400, 256, 5e-4, 0.03),
+            Quality::Final => (30_000, 1600, 512, 2e-4, 0.01),
         };
         Self {
             mesh: PatchOptions::default()
@@ -174,6 +196,7 @@ impl From<Quality> for SolveOptions {
             rays,
             seed: 0,
             tolerance,
+            noise,
             max_steps: None,
             solver: SolverKind::default(),
             grouping: Grouping::Together,
@@ -193,6 +216,9 @@ impl SolveOptions {
         let fail = |message: String| Err(RadiosityError::Option(message));
         if !(self.tolerance >= 0.0 && self.tolerance < 1.0) {
             return fail(format!("tolerance {} is not in [0, 1)", self.tolerance));
+        }
+        if !(self.noise > 0.0 && self.noise < 10.0) {
+            return fail(format!("noise {} is not in (0, 10)", self.noise));
         }
         if self.rays == 0 || self.rays > 1 << 20 {
             return fail(format!(
@@ -234,6 +260,17 @@ impl SolveOptions {
         MatrixOptions {
             memory_limit: self.memory_limit,
             ..MatrixOptions::default()
+        }
+    }
+
+    /// What [`SolverKind::Stochastic`] is told.
+    pub fn stochastic_options(&self) -> StochasticOptions {
+        StochasticOptions {
+            rays: self.rays,
+            noise: self.noise,
+            tolerance: self.tolerance,
+            seed: self.seed,
+            ..StochasticOptions::default()
         }
     }
 
@@ -366,6 +403,7 @@ pub fn resume_on(
         .max_steps
         .map(|steps| before.steps.saturating_add(steps));
     let mut name = backend.name(options);
+    let mut noise = None;
     let mut go_on = |progress: &Progress, solution: &Solution| {
         // It is told every state, also one at which a limit ends the work.
         go_on(progress, solution) && most.is_none_or(|most| progress.iteration < most) && !stop()
@@ -397,6 +435,14 @@ pub fn resume_on(
                 (finished(solver, options.tolerance, go_on), factors.rays())
             }
         },
+        Way::Stochastic => {
+            name = String::from("rays");
+            let mut solver = Stochastic::new(solution, options.stochastic_options())?;
+            run(&mut solver, options.tolerance, go_on);
+            let rays = solver.rays();
+            noise = solver.known_noise();
+            (solver.into_solution(), rays)
+        }
         Way::OnMatrix(kind) => {
             let factors = backend.form_factors(solution.mesh().clone(), options)?;
             // Rows are asked for again at the end of each sweep.
@@ -420,6 +466,7 @@ pub fn resume_on(
         seed: options.seed,
         rays: before.rays + rays,
         seconds: before.seconds + start.elapsed().as_secs_f64(),
+        noise,
         ..solution.provenance
     };
     Ok(solution)

@@ -52,6 +52,9 @@ pub struct Provenance {
     pub rays: u64,
     /// Wall-clock seconds spent so far.
     pub seconds: f64,
+    /// Relative standard error of the irradiance, where the solver draws lots and knows it
+    /// ([`Stochastic::noise`](crate::solve::Stochastic::noise)).
+    pub noise: Option<f64>,
 }
 
 /// Where the light is, in lm or W (of scene units): `emitted = absorbed + unshot + escaped`.

@@ -94,6 +94,15 @@ pub fn tolerance(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("'{text}' is not a number from 0 to below 1"))
 }
 
+/// A relative standard error.
+pub fn noise(text: &str) -> Result<f64, String> {
+    let inside = |x: &f64| *x >= 1e-4 && *x <= 1.0;
+    text.parse()
+        .ok()
+        .filter(inside)
+        .ok_or_else(|| format!("'{text}' is not a number from 1e-4 to 1"))
+}
+
 /// An error of form factors
 pub fn error(text: &str) -> Result<f64, String> {
     let inside = |x: &f64| *x >= 1e-9 && *x <= 0.1;

@@ -11,8 +11,11 @@ use hemicube::scene::Scene;
 use std::time::Duration;
 
 const SOLVER_HELP: &str = "\
-Way to the equilibrium [default: ambient-shooting]
+Way to the equilibrium [default: auto]
 
+  auto                ambient-shooting, or stochastic for more than 40,000 elements; says which
+Rays alone; time grows with the scene, not with its square:
+  stochastic          direct light by shadow rays from every element, the rest shot by rays until --noise is reached
 Shooting needs no matrix, and what it has reached can be drawn at any time:
   shooting            patches shoot in the order of the mesh
   sorted-shooting     the patch with most unshot light shoots
@@ -57,6 +60,34 @@ impl FactorWay {
         match self {
             Self::Cpu(kind) => kind,
             Self::Gpu => FormFactorKind::Hemicube,
+        }
+    }
+}
+
+/// A solver, by its name on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SolverChoice {
+    /// By the size of the scene.
+    Auto,
+    /// This one.
+    Kind(SolverKind),
+}
+
+impl SolverChoice {
+    const ALL: [Self; SolverKind::ALL.len() + 1] = {
+        let mut all = [Self::Auto; SolverKind::ALL.len() + 1];
+        let mut i = 0;
+        while i < SolverKind::ALL.len() {
+            all[i + 1] = Self::Kind(SolverKind::ALL[i]);
+            i += 1;
+        }
+        all
+    };
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Kind(kind) => kind.name(),
         }
     }
 }
@@ -106,12 +137,16 @@ pub struct MeshArgs {
 pub struct SolveArgs {
     #[command(flatten)]
     pub mesh: MeshArgs,
-    /// Way to the equilibrium [default: ambient-shooting]
-    #[arg(long, long_help = SOLVER_HELP, value_name = "SOLVER", value_parser = parse::choice(&SolverKind::ALL, SolverKind::name))]
-    pub solver: Option<SolverKind>,
+    /// Way to the equilibrium [default: auto]
+    #[arg(long, long_help = SOLVER_HELP, value_name = "SOLVER", value_parser = parse::choice(&SolverChoice::ALL, SolverChoice::name))]
+    pub solver: Option<SolverChoice>,
     /// Finished when this share of the emitted light has not been shot yet [default: 5e-4]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = parse::tolerance)]
     pub tolerance: Option<f64>,
+    /// For --solver stochastic: finished at this relative standard error of the irradiance, root mean square over the
+    /// elements that get more than a hundredth of the mean [default: 0.03]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = parse::noise)]
+    pub noise: Option<f64>,
     /// At most so many steps (shots; sweeps, patches or blocks of columns on a matrix) [default: no limit]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub iterations: Option<u64>,
@@ -200,6 +235,11 @@ impl MeshArgs {
         given.misplaced("--form-factors")
     }
 
+    /// Whether neither patches nor their size were given.
+    fn has_preset_patches(&self) -> bool {
+        self.patch_size.is_none() && self.patches.is_none()
+    }
+
     /// Names of the mesh's options that were given.
     pub fn mesh_given(&self) -> Vec<&'static str> {
         names([
@@ -227,10 +267,20 @@ impl MeshArgs {
 
 impl SolveArgs {
     /// Options for a scene that is solved afresh.
-    pub fn options(&self) -> SolveOptions {
+    pub fn options(&self, scene: &Scene) -> SolveOptions {
         let mut options = self.mesh.options();
+        let elements = options.mesh.elements.unwrap_or(0);
+        options.solver = SolverKind::for_size(scene.face_count(), elements);
         self.override_work(&mut options);
+        if options.solver == SolverKind::Stochastic && self.mesh.has_preset_patches() {
+            options.mesh.patches = options.mesh.patches.max(Some(patches_for_rays(elements)));
+        }
         options
+    }
+
+    /// Whether the solver is left to the program.
+    pub fn is_auto(&self) -> bool {
+        matches!(self.solver, None | Some(SolverChoice::Auto))
     }
 
     /// Options for going on with a solution: what is not given is as before.
@@ -259,7 +309,10 @@ impl SolveArgs {
 
     fn override_work(&self, options: &mut SolveOptions) {
         options.tolerance = self.tolerance.unwrap_or(options.tolerance);
-        options.solver = self.solver.unwrap_or(options.solver);
+        if let Some(SolverChoice::Kind(solver)) = self.solver {
+            options.solver = solver;
+        }
+        options.noise = self.noise.unwrap_or(options.noise);
         options.max_steps = self.iterations;
         if let Some(mib) = self.matrix_memory {
             options.memory_limit = mib as usize * (1 << 20);
@@ -277,11 +330,19 @@ impl SolveArgs {
             (self.matrix_memory.is_some(), "--matrix-memory"),
             (self.solver.is_some(), "--solver"),
             (self.tolerance.is_some(), "--tolerance"),
+            (self.noise.is_some(), "--noise"),
             (self.iterations.is_some(), "--iterations"),
             (self.time.is_some(), "--time"),
         ]));
         all
     }
+}
+
+/// Patches that count interreflected light where rays carry it: some twenty elements each, as many as a billion rays
+/// bring within a few percent.
+fn patches_for_rays(elements: usize) -> usize {
+    const MOST: usize = 50_000;
+    (elements / 20).min(MOST)
 }
 
 fn names<const N: usize>(all: [(bool, &'static str); N]) -> Vec<&'static str> {

@@ -16,7 +16,7 @@ use crate::args::{GlobalArgs, MeshArgs, SceneArgs, SolveArgs};
 use crate::failure::Failure;
 use crate::input::Input;
 use crate::solving::{Stop, Watch, percent};
-use hemicube::radiosity::{Solution, SolveOptions};
+use hemicube::radiosity::{Solution, SolveOptions, SolverKind};
 use hemicube::scene::Scene;
 use std::path::Path;
 use std::time::Instant;
@@ -37,6 +37,29 @@ fn refuse_misplaced(mesh: &MeshArgs, options: &SolveOptions, scene: &Scene) -> R
         Some(what) => Err(Failure::Usage(what)),
         None => Ok(()),
     }
+}
+
+/// Options for a scene that is solved afresh; says what they chose by its size.
+fn options_of(
+    solve: &SolveArgs,
+    scene: &Scene,
+    global: GlobalArgs,
+) -> Result<SolveOptions, Failure> {
+    let options = solve.options(scene);
+    let is_stochastic = options.solver == SolverKind::Stochastic;
+    if solve.noise.is_some() && !is_stochastic {
+        return Err(Failure::Usage(format!(
+            "--noise is of --solver stochastic; {} has none",
+            options.solver.name()
+        )));
+    }
+    if is_stochastic && solve.is_auto() {
+        note(
+            global,
+            "a large scene: solved by --solver stochastic, which ends at a --noise",
+        );
+    }
+    Ok(options)
 }
 
 /// The solution that a lit `.glb` holds, or that of a scene, solved now; `check` sees the scene before the work begins.
@@ -64,7 +87,7 @@ fn solution_of(
         input => {
             let scene = input.into_scene(scene)?;
             check(&scene)?;
-            let options = solve.options();
+            let options = options_of(solve, &scene, global)?;
             refuse_misplaced(&solve.mesh, &options, &scene)?;
             let solved = Watch::new(solve, global.quiet, start).solve(scene, options)?;
             if solved.stop == Stop::Time {

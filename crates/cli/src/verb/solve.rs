@@ -1,6 +1,6 @@
 //! `hemicube solve`: from a scene to its light.
 
-use super::{note, refuse_misplaced};
+use super::{note, options_of, refuse_misplaced};
 use crate::args::{GlobalArgs, SolveVerb};
 use crate::failure::Failure;
 use crate::history;
@@ -65,7 +65,7 @@ fn solve(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<Solved,
         }
         let scene = input.into_scene(&args.scene_options)?;
         picture::check(&scene, &args.picture)?;
-        let options = args.solve.options();
+        let options = options_of(&args.solve, &scene, global)?;
         refuse_misplaced(&args.solve.mesh, &options, &scene)?;
         return watch.solve(scene, options);
     };

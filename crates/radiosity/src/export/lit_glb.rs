@@ -26,7 +26,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Layout of the buffer view of ours; another number is another layout.
-const VERSION: u64 = 3;
+const VERSION: u64 = 4;
 
 /// How a lit `.glb` is written.
 #[derive(Debug, Clone)]

@@ -173,7 +173,7 @@ impl RayCast {
     }
 
     /// `F_Pe` in each band.
-    fn pair(&self, from: &Shooter, e: usize, element: NodeId, boost: f64) -> PairFactor {
+    pub(crate) fn pair(&self, from: &Shooter, e: usize, element: NodeId, boost: f64) -> PairFactor {
         let mesh = &*self.mesh;
         let node = mesh.node(element);
         let polygon = mesh.polygon(element);
@@ -327,11 +327,11 @@ impl RayCast {
 
 /// The factor of a pair.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct PairFactor {
+pub(crate) struct PairFactor {
     /// As if nothing were between.
-    pub(super) unoccluded: f64,
+    pub(crate) unoccluded: f64,
     /// The share that rays saw.
-    pub(super) visible: Rgb,
+    pub(crate) visible: Rgb,
 }
 
 impl PairFactor {
@@ -429,7 +429,7 @@ fn mean_transmittance(
 }
 
 /// What a row needs to know of the node that shoots.
-pub(super) struct Shooter {
+pub(crate) struct Shooter {
     id: NodeId,
     polygon: Polygon,
     flat: FlatPolygon,
@@ -442,7 +442,7 @@ pub(super) struct Shooter {
 }
 
 impl Shooter {
-    pub(super) fn new(mesh: &PatchMesh, id: NodeId) -> Self {
+    pub(crate) fn new(mesh: &PatchMesh, id: NodeId) -> Self {
         let node = mesh.node(id);
         let polygon = mesh.polygon(id);
         let flat = FlatPolygon::new(&polygon, node.normal);
@@ -491,7 +491,7 @@ impl Shooter {
 }
 
 /// `cos cos / r²` of two points by the unit normals of their surfaces; 0 where one is behind the other.
-pub(super) fn kernel(offset: Vec3, [from, to]: [Vec3; 2]) -> f32 {
+pub(crate) fn kernel(offset: Vec3, [from, to]: [Vec3; 2]) -> f32 {
     let squared = offset.length_squared();
     let cosines = (offset.dot(from) * -offset.dot(to)).max(0.0);
     cosines / (squared * squared).max(f32::MIN_POSITIVE)

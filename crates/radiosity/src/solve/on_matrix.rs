@@ -259,6 +259,7 @@ impl Solver for OnMatrix<'_> {
             iteration: self.solution.provenance.steps,
             unshot: sum / emitted,
             residual: largest / emitted,
+            noise: None,
         }
     }
 

@@ -231,6 +231,7 @@ impl Solver for Shooting<'_> {
             iteration: self.solution.provenance.steps,
             unshot: self.unshot.sum() / emitted,
             residual: self.unshot.largest().1 / emitted,
+            noise: None,
         }
     }
 

@@ -1,0 +1,235 @@
+//! One step of Jacobi's iteration by rays: everything that patches shoot is carried to where it arrives.
+//!
+//! Each patch casts rays in proportion to the flux that it shoots, from its elements in proportion to theirs, in
+//! cosine-distributed directions; all rays of a patch carry the same magnitude, so bright patches are followed more
+//! closely and what leaves arrives to the last bit. A ray needs its first hit and no form factor.
+
+use super::receivers::Receivers;
+use super::source::Source;
+use super::tally::Tally;
+use crate::patch::PatchMesh;
+use crate::sampling::{cosine_direction, hash, point4};
+use crate::solution::BANDS;
+use hemicube_raster::Rgb;
+use rayon::prelude::*;
+
+/// Independent repetitions whose differences tell the error.
+pub(super) const REPLICATES: usize = 4;
+/// Rays of a patch that are one piece of work.
+const RAYS_AT_ONCE: u32 = 4096;
+/// Panes that keep less of the light than this receive nothing.
+const LEAST_KEPT: f32 = 1.0 / 1024.0;
+/// Most rays of one patch in one step.
+const MOST_RAYS_OF_PATCH: f64 = (1_u32 << 28) as f64;
+
+/// What arrived.
+pub(super) struct Arrived {
+    /// Flux to each receiver, `[channel][receiver]`, divided by what it keeps.
+    pub(super) received: Vec<f64>,
+    /// The same summed over channels, of each replicate alone and scaled to the whole, `[replicate][receiver]`.
+    pub(super) replicates: Vec<f64>,
+    /// Flux to sides that only absorb, by channel.
+    pub(super) backs: Vec<f64>,
+    /// Flux that met nothing, by channel.
+    pub(super) escaped: Vec<f64>,
+    /// Rays that were cast.
+    pub(super) rays: u64,
+}
+
+/// Casts rays, and goes on with the sequences of the patches from step to step.
+pub(super) struct Shooter {
+    receivers: Receivers,
+    /// Exposed areas of the receivers.
+    areas: Vec<f64>,
+    seed: u64,
+    /// Rays that each patch has cast in each replicate.
+    cast: Vec<u32>,
+}
+
+/// A piece of work: some rays of a patch in one replicate.
+struct Job<'a> {
+    patch: usize,
+    source: &'a Source,
+    /// What each ray carries: this share of the patch's magnitude.
+    share: f64,
+    replicate: usize,
+    rays: core::ops::Range<u32>,
+}
+
+impl Shooter {
+    pub(super) fn new(mesh: &PatchMesh, receivers: Receivers, seed: u64) -> Self {
+        Self {
+            receivers,
+            areas: receivers.areas(mesh),
+            seed,
+            cast: vec![0; mesh.patches().len()],
+        }
+    }
+
+    /// Shoots a radiosity, `[channel][element]`, by about so many rays and at least four of each patch that shoots.
+    /// It may be negative.
+    pub(super) fn shoot(&mut self, mesh: &PatchMesh, radiosity: &[f32], rays: u64) -> Arrived {
+        let elements = mesh.elements().len();
+        let channels = radiosity.len() / elements;
+        let magnitude = |e: usize| {
+            let sum: f32 = (0..channels).map(|c| radiosity[c * elements + e].abs()).sum();
+            f64::from(sum) * f64::from(mesh.exposed_area(e))
+        };
+        let patches = 0..mesh.patches().len();
+        let sources: Vec<Source> = patches
+            .into_par_iter()
+            .map(|patch| Source::new(mesh, patch, magnitude))
+            .collect();
+        let total: f64 = sources.iter().map(Source::total).sum();
+        let jobs = self.jobs(&sources, total, rays);
+        let receivers = self.areas.len();
+        let bound = total / f64::from(LEAST_KEPT);
+        let sums = Sums {
+            received: Tally::new(channels * receivers, bound),
+            replicates: Tally::new(REPLICATES * receivers, bound * REPLICATES as f64),
+            lost: Tally::new(2 * channels, total),
+        };
+        jobs.par_iter()
+            .for_each(|job| self.cast(mesh, radiosity, job, &sums));
+        let number = |tally: &Tally, count: usize| (0..count).map(|i| tally.get(i)).collect();
+        let lost: Vec<f64> = number(&sums.lost, 2 * channels);
+        Arrived {
+            received: number(&sums.received, channels * receivers),
+            replicates: number(&sums.replicates, REPLICATES * receivers),
+            backs: lost[..channels].to_vec(),
+            escaped: lost[channels..].to_vec(),
+            rays: jobs.iter().map(|job| u64::from(job.rays.end - job.rays.start)).sum(),
+        }
+    }
+
+    /// Splits the rays among patches, replicates and pieces.
+    fn jobs<'a>(&mut self, sources: &'a [Source], total: f64, rays: u64) -> Vec<Job<'a>> {
+        let mut jobs = Vec::new();
+        for (patch, source) in sources.iter().enumerate() {
+            let magnitude = source.total();
+            if magnitude <= 0.0 {
+                continue;
+            }
+            let wanted = magnitude / total * rays as f64 / REPLICATES as f64;
+            let each = ray_count(wanted);
+            let first = self.cast[patch];
+            self.cast[patch] = first.wrapping_add(each);
+            for replicate in 0..REPLICATES {
+                for start in (0..each).step_by(RAYS_AT_ONCE as usize) {
+                    let end = (start + RAYS_AT_ONCE).min(each);
+                    jobs.push(Job {
+                        patch,
+                        source,
+                        share: 1.0 / (f64::from(each) * REPLICATES as f64),
+                        replicate,
+                        rays: first.wrapping_add(start)..first.wrapping_add(end),
+                    });
+                }
+            }
+        }
+        jobs
+    }
+
+    fn cast(&self, mesh: &PatchMesh, radiosity: &[f32], job: &Job<'_>, sums: &Sums) {
+        let elements = mesh.elements().len();
+        let channels = radiosity.len() / elements;
+        let receivers = self.areas.len();
+        let visibility = mesh.visibility();
+        let seed = hash(hash(self.seed, job.patch as u64), job.replicate as u64);
+        let mut carried = vec![0.0; channels];
+        let mut ray = job.rays.start;
+        while ray != job.rays.end {
+            let [u, v, s, t] = point4(ray, seed);
+            ray = ray.wrapping_add(1);
+            let choice = job.source.choose(u);
+            let e = choice.element;
+            let scale = f64::from(mesh.exposed_area(e)) * job.share / choice.probability;
+            for (channel, flux) in carried.iter_mut().enumerate() {
+                *flux = f64::from(radiosity[channel * elements + e]) * scale;
+            }
+            let normal = mesh.node(mesh.elements()[e]).normal;
+            let point = mesh.exposed(e).point([choice.rest, v]);
+            let origin = visibility.off_surface(point, normal);
+            let escaped = visibility.follow(
+                origin,
+                cosine_direction(normal, [s, t]),
+                |hit, arriving, passing| {
+                    let taken = arriving * (Rgb::WHITE - passing);
+                    let receiver = self
+                        .receivers
+                        .at(mesh, hit.face, hit.side, hit.point)
+                        .filter(|&receiver| self.areas[receiver] > 0.0);
+                    match receiver {
+                        Some(receiver) => {
+                            let kept = Rgb::WHITE - mean_transmittance(mesh, self.receivers, receiver);
+                            sums.receive(&carried, taken, kept, job.replicate, receiver, receivers);
+                        }
+                        None => sums.lose(&carried, taken, 0),
+                    }
+                },
+            );
+            sums.lose(&carried, escaped, channels);
+        }
+    }
+}
+
+/// Of a pane; patches are panes all over.
+fn mean_transmittance(mesh: &PatchMesh, receivers: Receivers, receiver: usize) -> Rgb {
+    let element = match receivers {
+        Receivers::Elements => receiver,
+        Receivers::Patches => mesh.elements_of_patch(receiver).start,
+    };
+    mesh.transmittance()[element]
+}
+
+struct Sums {
+    received: Tally,
+    replicates: Tally,
+    /// To backs, then to nowhere.
+    lost: Tally,
+}
+
+impl Sums {
+    fn receive(
+        &self,
+        carried: &[f64],
+        taken: Rgb,
+        kept: Rgb,
+        replicate: usize,
+        receiver: usize,
+        receivers: usize,
+    ) {
+        let mut sum = 0.0;
+        for (channel, flux) in carried.iter().enumerate() {
+            let band = channel % BANDS;
+            if kept[band] < LEAST_KEPT {
+                continue;
+            }
+            let flux = flux * f64::from(taken[band] / kept[band]);
+            sum += flux;
+            self.received
+                .add(channel * receivers + receiver, self.received.units(flux));
+        }
+        let sum = self.replicates.units(sum * REPLICATES as f64);
+        self.replicates.add(replicate * receivers + receiver, sum);
+    }
+
+    fn lose(&self, carried: &[f64], share: Rgb, first: usize) {
+        if share.is_black() {
+            return;
+        }
+        for (channel, flux) in carried.iter().enumerate() {
+            let flux = flux * f64::from(share[channel % BANDS]);
+            self.lost.add(first + channel, self.lost.units(flux));
+        }
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to a range of u32"
+)]
+fn ray_count(wanted: f64) -> u32 {
+    wanted.ceil().clamp(1.0, MOST_RAYS_OF_PATCH) as u32
+}

@@ -1,0 +1,251 @@
+//! Radiosity by rays: the exact light within the error that it states, energy kept, the same bits on any number of threads.
+
+use hemicube::radiosity::{
+    PatchMesh, PatchOptions, Quality, Solution, SolveOptions, Solver, SolverKind, Stochastic,
+    StochasticOptions, resume, solve, unlit,
+};
+use hemicube::scene::{Scene, builtin};
+use std::sync::Arc;
+
+fn scene(name: &str) -> Arc<Scene> {
+    Arc::new(builtin::scene(name).expect("it is built in"))
+}
+
+fn start(scene: Arc<Scene>, elements: usize, patches: usize) -> Solution {
+    let options = SolveOptions {
+        mesh: PatchOptions::default()
+            .with_elements(elements)
+            .with_patches(patches),
+        ..Quality::Draft.into()
+    };
+    unlit(scene, &options, &|| false).expect("a mesh")
+}
+
+fn solved(start: &Solution, options: StochasticOptions) -> Stochastic {
+    let mut solver = Stochastic::new(start.clone(), options).expect("good options");
+    while !solver.is_exhausted() {
+        solver.step();
+    }
+    solver
+}
+
+fn balance_error(solution: &Solution) -> f64 {
+    let bands = (0..3).map(|band| {
+        let unshot = solution.unshot_flux(band);
+        solution.total_balance(band).relative_error(unshot)
+    });
+    bands.fold(0.0, f64::max)
+}
+
+/// Root mean square over the elements that get more than a hundredth of the mean.
+fn relative_difference(a: &Solution, b: &Solution) -> f64 {
+    let elements = 0..a.mesh().elements().len();
+    let total = |s: &Solution, e: usize| -> f64 {
+        let h = s.element_irradiance(e).to_array();
+        h.iter().map(|&x| f64::from(x)).sum()
+    };
+    let mean = elements.clone().map(|e| total(b, e)).sum::<f64>() / elements.len() as f64;
+    let squares: Vec<f64> = elements
+        .filter(|&e| total(b, e) > 0.01 * mean)
+        .map(|e| ((total(a, e) - total(b, e)) / total(b, e)).powi(2))
+        .collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+#[test]
+fn a_furnace_is_as_bright_everywhere_as_it_must_be() {
+    for reflectance in [0.0, 0.5, 0.8] {
+        let start = start(Arc::new(builtin::furnace_with(reflectance, 1.0)), 200, 50);
+        let solver = solved(&start, StochasticOptions::default());
+        let exact = 1.0 / (1.0 - reflectance);
+        let solution = solver.solution();
+        for e in 0..solution.mesh().elements().len() {
+            let b = solution.element_radiosity(e).g;
+            let error = (b / exact - 1.0).abs();
+            assert!(error < 0.05, "ρ {reflectance}, element {e}: {b} for {exact}");
+        }
+        let error = balance_error(solution);
+        assert!(error < 1e-5, "ρ {reflectance}: {error:.1e} of the energy is lost");
+    }
+}
+
+#[test]
+fn the_stated_error_is_the_error_there_is() {
+    for (name, counting_elements) in [("cornell", 50_000), ("cornell", 0), ("two-rooms", 50_000)] {
+        let start = start(scene(name), 900, 150);
+        let options = StochasticOptions {
+            noise: 0.04,
+            counting_elements,
+            ..StochasticOptions::default()
+        };
+        let coarse = solved(&start, options);
+        let fine = StochasticOptions {
+            noise: 0.008,
+            seed: 77,
+            ..options
+        };
+        let fine = solved(&start, fine);
+        let error = relative_difference(coarse.solution(), fine.solution());
+        let stated = coarse.noise();
+        assert!(stated <= 0.04, "{name}: ended at {stated}");
+        assert!(
+            error < 1.6 * stated && error > 0.3 * stated,
+            "{name}, {counting_elements}: error {error:.4}, stated {stated:.4}"
+        );
+    }
+}
+
+#[test]
+fn rays_and_rows_of_form_factors_come_to_the_same_light() {
+    let start = start(scene("cornell"), 900, 900);
+    let options = StochasticOptions {
+        noise: 0.01,
+        ..StochasticOptions::default()
+    };
+    let by_rays = solved(&start, options);
+    let shooting = SolveOptions {
+        rays: 1024,
+        tolerance: 1e-5,
+        solver: SolverKind::SortedShooting,
+        ..Quality::Draft.into()
+    };
+    let by_rows = resume(start, &shooting, |_, _| true).expect("it goes on");
+    let difference = relative_difference(by_rays.solution(), &by_rows);
+    assert!(difference < 0.03, "they differ by {difference:.4}");
+}
+
+#[test]
+fn noise_falls_with_the_rays() {
+    let start = start(scene("cornell"), 600, 100);
+    let mut last = None;
+    for noise in [0.08, 0.04, 0.02] {
+        let options = StochasticOptions {
+            noise,
+            rays: 64,
+            ..StochasticOptions::default()
+        };
+        let solver = solved(&start, options);
+        let rays = solver.rays();
+        if let Some((rays_before, noise_before)) = last {
+            let steps = rays as f64 / rays_before as f64;
+            let expected: f64 = noise_before / steps.sqrt();
+            let found = solver.noise();
+            assert!(
+                found < 1.5 * expected,
+                "{steps:.1} times the rays: noise {found:.4}, by the root {expected:.4}"
+            );
+        }
+        last = Some((rays, solver.noise()));
+    }
+}
+
+#[test]
+fn every_step_keeps_the_energy() {
+    let start = start(scene("cornell"), 600, 100);
+    for counting_elements in [0, 50_000] {
+        let options = StochasticOptions {
+            counting_elements,
+            ..StochasticOptions::default()
+        };
+        let mut solver = Stochastic::new(start.clone(), options).expect("good options");
+        let mut steps = 0;
+        while !solver.is_exhausted() {
+            solver.step();
+            steps += 1;
+            // Only when direct light is complete is it known which share of it is lost.
+            let is_complete = solver.solution().total_balance(0).escaped > 0.0;
+            let error = balance_error(solver.solution());
+            assert!(!is_complete || error < 1e-5, "step {steps}: {error:.1e} is lost");
+        }
+    }
+}
+
+#[test]
+fn same_bits_on_one_and_four_threads() {
+    let start = start(scene("two-rooms"), 400, 100);
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let options = StochasticOptions {
+            noise: 0.1,
+            counting_elements: 0,
+            ..StochasticOptions::default()
+        };
+        let solver = pool.expect("threads").install(|| solved(&start, options));
+        let solution = solver.solution();
+        let bits = (0..3).flat_map(|band| solution.irradiance(0, band).to_vec());
+        bits.map(f32::to_bits).collect::<Vec<_>>()
+    };
+    assert!(run(1) == run(4), "four threads give other bits");
+}
+
+#[test]
+fn what_another_solver_left_is_spread() {
+    let start = start(scene("cornell"), 600, 600);
+    let half = SolveOptions {
+        rays: 512,
+        max_steps: Some(40),
+        solver: SolverKind::SortedShooting,
+        ..Quality::Draft.into()
+    };
+    let truth = SolveOptions {
+        max_steps: None,
+        tolerance: 1e-5,
+        ..half
+    };
+    let truth = resume(start.clone(), &truth, |_, _| true).expect("it goes on");
+    let half = resume(start, &half, |_, _| true).expect("it goes on");
+    let by_rays = SolveOptions {
+        solver: SolverKind::Stochastic,
+        rays: 2048,
+        ..Quality::Draft.into()
+    };
+    let end = resume(half, &by_rays, |_, _| true).expect("it goes on");
+    assert!(end.unshot_fraction() <= by_rays.tolerance, "all is spread");
+    let difference = relative_difference(&end, &truth);
+    assert!(difference < 0.03, "it differs by {difference:.4}");
+    let error = balance_error(&end);
+    assert!(error < 1e-5, "{error:.1e} of the energy is lost");
+}
+
+#[test]
+fn no_rays_and_no_noise_are_refused() {
+    let start = start(scene("cornell"), 100, 50);
+    for (rays, noise) in [(0, 0.1), (16, 0.0), (16, f64::NAN), (16, -1.0)] {
+        let options = StochasticOptions {
+            rays,
+            noise,
+            ..StochasticOptions::default()
+        };
+        let refused = Stochastic::new(start.clone(), options).is_err();
+        assert!(refused, "{rays} rays to a noise of {noise}");
+    }
+}
+
+#[test]
+fn sunlight_alone_is_reflected() {
+    // No surface emits: what the sky brings is all there is to reflect.
+    let mut room = builtin::furnace_with(0.5, 0.0);
+    room.sky = hemicube::raster::Rgb::WHITE;
+    let closed = solve(Arc::new(room.clone()), &by_rays(), |_, _| true);
+    // No sky comes into a closed box.
+    assert!(closed.is_ok_and(|s| s.element_irradiance(0).g == 0.0), "dark");
+}
+
+fn by_rays() -> SolveOptions {
+    SolveOptions {
+        mesh: PatchOptions::default().with_elements(100),
+        solver: SolverKind::Stochastic,
+        ..Quality::Draft.into()
+    }
+}
+
+#[test]
+fn its_name_and_its_noise_are_kept() {
+    let solution = solve(scene("cornell"), &by_rays(), |_, _| true).expect("it is solved");
+    assert_eq!(solution.provenance.solver, "stochastic", "the solver's name");
+    let noise = solution.provenance.noise.expect("it is known");
+    assert!(noise > 0.0 && noise <= 0.1, "noise {noise}");
+    let rays = solution.provenance.rays;
+    assert!(rays > 10_000, "{rays} rays are counted");
+    let _: &PatchMesh = solution.mesh();
+}
