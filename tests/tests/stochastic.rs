@@ -52,42 +52,65 @@ fn relative_difference(a: &Solution, b: &Solution) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
+/// Of the flux that all elements receive.
+fn relative_bias(a: &Solution, b: &Solution) -> f64 {
+    let flux = |s: &Solution| -> f64 {
+        let of = |e: usize| {
+            let h = s.element_irradiance(e).to_array();
+            let area = f64::from(s.mesh().exposed_area(e));
+            h.iter().map(|&x| f64::from(x)).sum::<f64>() * area
+        };
+        (0..s.mesh().elements().len()).map(of).sum()
+    };
+    flux(a) / flux(b) - 1.0
+}
+
 #[test]
 fn a_furnace_is_as_bright_everywhere_as_it_must_be() {
     for reflectance in [0.0, 0.5, 0.8] {
         let start = start(Arc::new(builtin::furnace_with(reflectance, 1.0)), 200, 50);
-        let solver = solved(&start, StochasticOptions::default());
+        let options = StochasticOptions {
+            noise: 0.005,
+            ..StochasticOptions::default()
+        };
+        let solver = solved(&start, options);
         let exact = 1.0 / (1.0 - reflectance);
         let solution = solver.solution();
         for e in 0..solution.mesh().elements().len() {
             let b = solution.element_radiosity(e).g;
             let error = (b / exact - 1.0).abs();
-            assert!(error < 0.05, "ρ {reflectance}, element {e}: {b} for {exact}");
+            assert!(
+                error < 0.02,
+                "ρ {reflectance}, element {e}: {b} for {exact}"
+            );
         }
         let error = balance_error(solution);
-        assert!(error < 1e-5, "ρ {reflectance}: {error:.1e} of the energy is lost");
+        assert!(
+            error < 1e-5,
+            "ρ {reflectance}: {error:.1e} of the energy is lost"
+        );
     }
 }
 
 #[test]
 fn the_stated_error_is_the_error_there_is() {
     for (name, counting_elements) in [("cornell", 50_000), ("cornell", 0), ("two-rooms", 50_000)] {
-        let start = start(scene(name), 900, 150);
+        let start = start(scene(name), 500, 80);
         let options = StochasticOptions {
-            noise: 0.04,
+            noise: 0.05,
             counting_elements,
             ..StochasticOptions::default()
         };
         let coarse = solved(&start, options);
         let fine = StochasticOptions {
-            noise: 0.008,
+            noise: 0.015,
             seed: 77,
             ..options
         };
         let fine = solved(&start, fine);
         let error = relative_difference(coarse.solution(), fine.solution());
         let stated = coarse.noise();
-        assert!(stated <= 0.04, "{name}: ended at {stated}");
+        assert!(stated <= 0.05, "{name}: ended at {stated}");
         assert!(
             error < 1.6 * stated && error > 0.3 * stated,
             "{name}, {counting_elements}: error {error:.4}, stated {stated:.4}"
@@ -97,9 +120,9 @@ fn the_stated_error_is_the_error_there_is() {
 
 #[test]
 fn rays_and_rows_of_form_factors_come_to_the_same_light() {
-    let start = start(scene("cornell"), 900, 900);
+    let start = start(scene("cornell"), 500, 500);
     let options = StochasticOptions {
-        noise: 0.01,
+        noise: 0.02,
         ..StochasticOptions::default()
     };
     let by_rays = solved(&start, options);
@@ -110,8 +133,11 @@ fn rays_and_rows_of_form_factors_come_to_the_same_light() {
         ..Quality::Draft.into()
     };
     let by_rows = resume(start, &shooting, |_, _| true).expect("it goes on");
+    // Rows of form factors have noise of their own.
     let difference = relative_difference(by_rays.solution(), &by_rows);
-    assert!(difference < 0.03, "they differ by {difference:.4}");
+    assert!(difference < 0.05, "they differ by {difference:.4}");
+    let bias = relative_bias(by_rays.solution(), &by_rows);
+    assert!(bias.abs() < 0.003, "all in all they differ by {bias:.4}");
 }
 
 #[test]
@@ -152,10 +178,8 @@ fn every_step_keeps_the_energy() {
         while !solver.is_exhausted() {
             solver.step();
             steps += 1;
-            // Only when direct light is complete is it known which share of it is lost.
-            let is_complete = solver.solution().total_balance(0).escaped > 0.0;
             let error = balance_error(solver.solution());
-            assert!(!is_complete || error < 1e-5, "step {steps}: {error:.1e} is lost");
+            assert!(error < 1e-6, "step {steps}: {error:.1e} is lost");
         }
     }
 }
@@ -202,7 +226,9 @@ fn what_another_solver_left_is_spread() {
     let end = resume(half, &by_rays, |_, _| true).expect("it goes on");
     assert!(end.unshot_fraction() <= by_rays.tolerance, "all is spread");
     let difference = relative_difference(&end, &truth);
-    assert!(difference < 0.03, "it differs by {difference:.4}");
+    assert!(difference < 0.05, "it differs by {difference:.4}");
+    let bias = relative_bias(&end, &truth);
+    assert!(bias.abs() < 0.003, "all in all it differs by {bias:.4}");
     let error = balance_error(&end);
     assert!(error < 1e-5, "{error:.1e} of the energy is lost");
 }
@@ -228,7 +254,10 @@ fn sunlight_alone_is_reflected() {
     room.sky = hemicube::raster::Rgb::WHITE;
     let closed = solve(Arc::new(room.clone()), &by_rays(), |_, _| true);
     // No sky comes into a closed box.
-    assert!(closed.is_ok_and(|s| s.element_irradiance(0).g == 0.0), "dark");
+    assert!(
+        closed.is_ok_and(|s| s.element_irradiance(0).g == 0.0),
+        "dark"
+    );
 }
 
 fn by_rays() -> SolveOptions {
@@ -242,7 +271,10 @@ fn by_rays() -> SolveOptions {
 #[test]
 fn its_name_and_its_noise_are_kept() {
     let solution = solve(scene("cornell"), &by_rays(), |_, _| true).expect("it is solved");
-    assert_eq!(solution.provenance.solver, "stochastic", "the solver's name");
+    assert_eq!(
+        solution.provenance.solver, "stochastic",
+        "the solver's name"
+    );
     let noise = solution.provenance.noise.expect("it is known");
     assert!(noise > 0.0 && noise <= 0.1, "noise {noise}");
     let rays = solution.provenance.rays;

@@ -118,17 +118,23 @@ impl History {
     }
 
     fn csv(&self) -> String {
-        let mut text = String::from("step,seconds,unshot,residual,error_to_end\n");
+        let mut text = String::from("step,seconds,unshot,residual,error_to_end,noise\n");
         for entry in &self.entries {
             let Progress {
                 iteration,
                 unshot,
                 residual,
+                noise,
             } = entry.progress;
             let error = entry.error.map(|e| e.to_string()).unwrap_or_default();
+            let is_known = |noise: &f64| noise.is_finite();
+            let noise = noise
+                .filter(is_known)
+                .map(|n| n.to_string())
+                .unwrap_or_default();
             let _ = writeln!(
                 text,
-                "{iteration},{:.6},{unshot},{residual},{error}",
+                "{iteration},{:.6},{unshot},{residual},{error},{noise}",
                 entry.seconds
             );
         }

@@ -104,7 +104,7 @@ fn histories_are_tables_and_plots() {
     let mut lines = table.lines();
     assert_eq!(
         lines.next(),
-        Some("step,seconds,unshot,residual,error_to_end")
+        Some("step,seconds,unshot,residual,error_to_end,noise")
     );
     let rows: Vec<Vec<f64>> = lines
         .map(|line| {

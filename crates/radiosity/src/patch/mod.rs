@@ -6,6 +6,7 @@
 
 pub mod exposure;
 pub mod face;
+mod locate;
 pub mod subdivide;
 
 use crate::error::RadiosityError;
@@ -388,47 +389,6 @@ impl PatchMesh {
             corners: cell.corners.map(|c| self.vertices[c as usize]),
             count: cell.count,
         }
-    }
-
-    /// Position in [`Self::elements`] of the element at a point of a face's side; `None` if that side only absorbs.
-    pub fn element_at(&self, face: usize, side: Side, point: Vec3) -> Option<usize> {
-        let element = self.descend(&self.element_of_node, face, side, point)?;
-        Some(element as usize)
-    }
-
-    /// Position in [`Self::patches`] of the patch at a point of a face's side; `None` if that side only absorbs.
-    pub fn patch_at(&self, face: usize, side: Side, point: Vec3) -> Option<usize> {
-        let patch = self.descend(&self.patch_of_node, face, side, point)?;
-        Some(patch as usize)
-    }
-
-    /// From the root of a face's side down to the cut, by the point; `of_node` holds each node's position in it.
-    fn descend(&self, of_node: &[u32], face: usize, side: Side, point: Vec3) -> Option<u32> {
-        let mut id = self.roots[face][side as usize]?;
-        while of_node[id.index()] == NONE {
-            id = self
-                .children(id)
-                .max_by(|&a, &b| {
-                    self.depth_inside(a, point)
-                        .total_cmp(&self.depth_inside(b, point))
-                })
-                .expect("a node above a cut has children");
-        }
-        Some(of_node[id.index()])
-    }
-
-    /// Smallest signed distance of a point from the edges of a node, positive inside.
-    fn depth_inside(&self, id: NodeId, point: Vec3) -> f32 {
-        let node = &self.nodes[id.index()];
-        let polygon = self.polygon(id);
-        let n = polygon.len();
-        (0..n)
-            .map(|i| {
-                let (a, b) = (polygon[i], polygon[(i + 1) % n]);
-                let edge = b - a;
-                edge.cross(point - a).dot(node.normal) / edge.length().max(1e-30)
-            })
-            .fold(f32::INFINITY, f32::min)
     }
 
     /// Makes clusters, surfaces and everything below; none if it was stopped.

@@ -6,9 +6,10 @@
 //! that nearly touch a patch are taken by exact factors times what rays see of them, because the kernel of point and
 //! point grows beyond all bounds there.
 
+use super::shoot::REPLICATES;
 use super::source::Source;
-use crate::form_factor::RayCastOptions;
 use crate::form_factor::raycast::{RayCast, Shooter, kernel};
+use crate::form_factor::{FormFactors, RayCastOptions};
 use crate::patch::{NodeId, PatchMesh};
 use crate::sampling::{hash, point4};
 use crate::solution::BANDS;
@@ -17,8 +18,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Shadow rays of an element in one batch.
-pub(super) const RAYS: u32 = 16;
+/// Shadow rays of an element in one round of one replicate.
+const RAYS: u32 = 16;
 /// Emitters nearer than so many radii of both are taken by exact factors.
 const NEAR: f32 = 2.0;
 /// Rays over the hemisphere, of which pairs take their share.
@@ -46,12 +47,20 @@ struct Emitter {
     flux: Vec<f64>,
 }
 
-/// What a batch brought.
-pub(super) struct Batch {
+/// What some rays brought.
+pub(super) struct Brought {
     /// Irradiance, `[element][channel]`.
     pub(super) irradiance: Vec<f32>,
+    /// The same summed over channels, of each replicate alone.
+    pub(super) replicates: Vec<[f32; REPLICATES]>,
     /// Rays that were cast.
     pub(super) rays: u64,
+}
+
+/// Room for what an element gets.
+struct Slot<'a> {
+    irradiance: &'a mut [f32],
+    replicates: &'a mut [f32; REPLICATES],
 }
 
 impl Direct {
@@ -89,45 +98,55 @@ impl Direct {
     }
 
     /// Irradiance from emitters that nearly touch.
-    pub(super) fn near(&self) -> Batch {
-        let before = crate::form_factor::FormFactors::rays(&self.raycast);
-        let irradiance = self.of_patches(|patch, out| self.near_patch(patch, out));
-        let rays = crate::form_factor::FormFactors::rays(&self.raycast) - before;
-        Batch { irradiance, rays }
-    }
-
-    /// Irradiance from the others, by a batch of rays. Different batches are independent.
-    pub(super) fn batch(&self, number: u32) -> Batch {
-        let seed = hash(self.seed, u64::from(number));
-        let rays = core::sync::atomic::AtomicU64::new(0);
-        let irradiance = self.of_patches(|patch, out| {
-            let cast = self.far_patch(patch, seed, out);
-            rays.fetch_add(cast, core::sync::atomic::Ordering::Relaxed);
+    pub(super) fn near(&self) -> Brought {
+        let before = self.raycast.rays();
+        let mut brought = self.of_patches(|patch, slots| {
+            self.near_patch(patch, slots);
+            0
         });
-        Batch {
-            irradiance,
-            rays: rays.into_inner(),
-        }
+        brought.rays = self.raycast.rays() - before;
+        brought
     }
 
-    fn of_patches(&self, work: impl Fn(usize, &mut [f32]) + Sync) -> Vec<f32> {
-        let mut irradiance = vec![0.0; self.mesh.elements().len() * self.channels];
-        let mut slices = Vec::new();
-        let mut rest = &mut irradiance[..];
-        for patch in 0..self.mesh.patches().len() {
-            let length = self.mesh.elements_of_patch(patch).len() * self.channels;
-            let (slice, after) = rest.split_at_mut(length);
-            slices.push(slice);
-            rest = after;
-        }
-        slices
+    /// Irradiance from the others, by one more round of rays of the elements for which `wanted` tells how many rounds
+    /// they have had. The rays of a round are those of all replicates; each goes on with a sequence of its own.
+    pub(super) fn round(&self, wanted: impl Fn(usize) -> Option<u32> + Sync) -> Brought {
+        self.of_patches(|patch, slots| self.far_patch(patch, &wanted, slots))
+    }
+
+    /// Does something for each patch with the slots of its elements; it returns the number of rays.
+    fn of_patches(&self, work: impl Fn(usize, &mut [Slot<'_>]) -> u64 + Sync) -> Brought {
+        let elements = self.mesh.elements().len();
+        let mut irradiance = vec![0.0; elements * self.channels];
+        let mut replicates = vec![[0.0; REPLICATES]; elements];
+        let slots = irradiance
+            .chunks_exact_mut(self.channels)
+            .zip(&mut replicates);
+        let mut slots = slots.map(|(irradiance, replicates)| Slot {
+            irradiance,
+            replicates,
+        });
+        let of_patches: Vec<Vec<Slot<'_>>> = (0..self.mesh.patches().len())
+            .map(|patch| {
+                slots
+                    .by_ref()
+                    .take(self.mesh.elements_of_patch(patch).len())
+                    .collect()
+            })
+            .collect();
+        let rays = of_patches
             .into_par_iter()
             .enumerate()
-            .for_each(|(patch, slice)| work(patch, slice));
-        irradiance
+            .map(|(patch, mut slots)| work(patch, &mut slots))
+            .sum();
+        Brought {
+            irradiance,
+            replicates,
+            rays,
+        }
     }
 
-    fn near_patch(&self, patch: usize, out: &mut [f32]) {
+    fn near_patch(&self, patch: usize, slots: &mut [Slot<'_>]) {
         let receiver = Place::of(&self.mesh, self.mesh.patches()[patch]);
         for emitter in &self.emitters {
             if emitter.patch == patch || !emitter.is_near(&receiver) {
@@ -137,14 +156,14 @@ impl Direct {
                 continue;
             }
             let from = Shooter::new(&self.mesh, emitter.id);
-            for (i, e) in self.mesh.elements_of_patch(patch).enumerate() {
+            for (slot, e) in slots.iter_mut().zip(self.mesh.elements_of_patch(patch)) {
                 let area = f64::from(self.mesh.exposed_area(e));
                 if area <= 0.0 {
                     continue;
                 }
                 let factor = self.raycast.pair(&from, e, self.mesh.elements()[e], 1.0);
-                let out = &mut out[i * self.channels..(i + 1) * self.channels];
-                for (channel, (out, flux)) in out.iter_mut().zip(&emitter.flux).enumerate() {
+                let pairs = slot.irradiance.iter_mut().zip(&emitter.flux);
+                for (channel, (out, flux)) in pairs.enumerate() {
                     let visible = f64::from(factor.visible[channel % BANDS]);
                     *out += super::to_f32(flux * factor.unoccluded * visible / area);
                 }
@@ -152,7 +171,16 @@ impl Direct {
         }
     }
 
-    fn far_patch(&self, patch: usize, seed: u64, out: &mut [f32]) -> u64 {
+    fn far_patch(
+        &self,
+        patch: usize,
+        wanted: &impl Fn(usize) -> Option<u32>,
+        slots: &mut [Slot<'_>],
+    ) -> u64 {
+        let elements = self.mesh.elements_of_patch(patch);
+        if elements.clone().all(|e| wanted(e).is_none()) {
+            return 0;
+        }
         let receiver = Place::of(&self.mesh, self.mesh.patches()[patch]);
         let mut sum = 0.0;
         let (mut far, mut sums) = (Vec::new(), Vec::new());
@@ -172,20 +200,33 @@ impl Direct {
         }
         let lights = Lights { far, sums };
         let mut sums = vec![0.0; self.channels];
-        let elements = self.mesh.elements_of_patch(patch);
-        let count = elements.len() as u64;
-        for (i, e) in elements.enumerate() {
+        let mut rays = 0;
+        for (slot, e) in slots.iter_mut().zip(elements) {
+            let Some(rounds) = wanted(e) else { continue };
             sums.fill(0.0);
-            self.far_element(e, &lights, seed, &mut sums);
-            let out = &mut out[i * self.channels..(i + 1) * self.channels];
-            for (out, &sum) in out.iter_mut().zip(&sums) {
-                *out = super::to_f32(sum);
+            for replicate in 0..REPLICATES {
+                let before: f64 = sums.iter().sum();
+                self.far_element(e, &lights, replicate, rounds, &mut sums);
+                let brought = sums.iter().sum::<f64>() - before;
+                slot.replicates[replicate] = super::to_f32(brought);
             }
+            for (out, sum) in slot.irradiance.iter_mut().zip(&sums) {
+                *out = super::to_f32(sum / REPLICATES as f64);
+            }
+            rays += u64::from(RAYS) * REPLICATES as u64;
         }
-        count * u64::from(RAYS)
+        rays
     }
 
-    fn far_element(&self, e: usize, lights: &Lights<'_>, seed: u64, sums: &mut [f64]) {
+    /// Adds what the rays of a replicate in a round bring.
+    fn far_element(
+        &self,
+        e: usize,
+        lights: &Lights<'_>,
+        replicate: usize,
+        round: u32,
+        sums: &mut [f64],
+    ) {
         let exposed = self.mesh.exposed(e);
         if exposed.area() <= 0.0 {
             return;
@@ -193,12 +234,13 @@ impl Direct {
         let elements = self.mesh.elements().len();
         let visibility = self.mesh.visibility();
         let normal = self.mesh.node(self.mesh.elements()[e]).normal;
-        let seed = hash(seed, e as u64);
+        let seed = hash(hash(self.seed, e as u64), replicate as u64);
+        // Which emitter: evenly within a round, and by van der Corput's sequence from round to round.
         let shift = (hash(seed, 2) >> 40) as f64 / f64::from(1 << 24);
+        let shift = (shift + f64::from(round.reverse_bits()) / 4_294_967_296.0).fract();
         for ray in 0..RAYS {
-            let [u, v, s, t] = point4(ray, seed);
-            let (emitter, probability) =
-                lights.choose((f64::from(ray) + shift) / f64::from(RAYS));
+            let [u, v, s, t] = point4(round.wrapping_mul(RAYS).wrapping_add(ray), seed);
+            let (emitter, probability) = lights.choose((f64::from(ray) + shift) / f64::from(RAYS));
             let choice = emitter.source.choose(u);
             let light = self.mesh.exposed(choice.element);
             let from = light.point([choice.rest, v]);
@@ -307,7 +349,11 @@ impl Lights<'_> {
         let wanted = sample * total;
         let found = self.sums.partition_point(|&sum| sum <= wanted);
         let index = found.min(self.sums.len() - 1);
-        let start = if index == 0 { 0.0 } else { self.sums[index - 1] };
+        let start = if index == 0 {
+            0.0
+        } else {
+            self.sums[index - 1]
+        };
         (self.far[index], (self.sums[index] - start) / total)
     }
 }

@@ -77,7 +77,11 @@ impl Interpolation {
             *value = values.iter().zip(weights).map(|(v, w)| v * w).sum();
         }
         let area = |e: usize| f64::from(mesh.exposed_area(e));
-        let flux: f64 = elements.iter().zip(range).map(|(&v, e)| f64::from(v) * area(e)).sum();
+        let flux: f64 = elements
+            .iter()
+            .zip(range)
+            .map(|(&v, e)| f64::from(v) * area(e))
+            .sum();
         let scale = f64::from(mean) * self.areas[patch] / flux;
         if scale.is_finite() && flux > 0.0 {
             let scale = super::to_f32(scale);
@@ -150,7 +154,10 @@ fn mean_value_coordinates(polygon: &[Vec3], normal: Vec3, point: Vec3) -> [f32; 
     let tangent = |i: usize| {
         let (a, b) = (offset(i), offset(i + 1));
         let product = a.length() * b.length();
-        a.cross(b).dot(normal) / (product + a.dot(b)).max(1e-6 * product).max(f32::MIN_POSITIVE)
+        a.cross(b).dot(normal)
+            / (product + a.dot(b))
+                .max(1e-6 * product)
+                .max(f32::MIN_POSITIVE)
     };
     let mut weights = [0.0; 4];
     for (i, weight) in weights.iter_mut().enumerate().take(n) {
@@ -183,7 +190,10 @@ mod tests {
                 let weights = mean_value_coordinates(polygon, Vec3::Z, point);
                 let back: Vec3 = polygon.iter().zip(weights).map(|(&p, w)| p * w).sum();
                 assert!(back.distance(point) < 1e-5, "{point} came out as {back}");
-                assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6, "they sum to 1");
+                assert!(
+                    (weights.iter().sum::<f32>() - 1.0).abs() < 1e-6,
+                    "they sum to 1"
+                );
             }
         }
     }

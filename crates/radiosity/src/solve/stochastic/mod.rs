@@ -2,15 +2,16 @@
 //!
 //! The work is split by what it needs:
 //!
-//! 1. *Direct* light, which has the sharp shadows: batches of shadow rays from every element to the emitters.
+//! 1. *Direct* light, which has the sharp shadows: shadow rays from every element to the emitters.
 //! 2. *Spreading*: each step shoots all that is unshot, by as many rays as it is worth, until little is left.
-//! 3. *Repeating*: each step shoots all reflected light anew; the results of all steps are averaged by their rays, so
-//!    that every ray counts. Where no ray has ever been lost, a constant radiosity needs no rays, as what leaves at it
-//!    arrives at it: it is subtracted from what is shot and added to what arrives (a control variate).
+//! 3. *Refining* what makes most of the noise: by more shadow rays where direct light is uncertain, or by shooting all
+//!    reflected light anew, where the results of all steps are averaged by their rays, so that every ray counts. Where
+//!    no ray has ever been lost, a constant radiosity needs no rays, as what leaves at it arrives at it: it is
+//!    subtracted from what is shot and added to what arrives (a control variate).
 //!
 //! Interreflected light is counted on elements, or on patches where there are more than 50,000 elements. Rays follow
 //! low-discrepancy sequences that go on from step to step. They come in four independent replicates, whose differences
-//! tell the standard error of every element, as the batches of direct light do; [`Stochastic::noise`] sums it up.
+//! tell the standard error of every element; [`Stochastic::noise`] sums it up.
 //!
 //! The cost of a step is that of its rays: with so many for each receiver, an error takes work that grows with the
 //! scene as the depth of its hierarchy of boxes does beyond the number of receivers.
@@ -61,11 +62,12 @@ impl Default for StochasticOptions {
     }
 }
 
-/// Fewest batches of direct light, for there to be an estimate of its error.
-const LEAST_BATCHES: u32 = 4;
-/// Most batches of direct light and most repetitions, if the noise does not come down.
-const MOST_BATCHES: u32 = 256;
-const MOST_REPETITIONS: u32 = 1024;
+/// Most steps that refine, if the noise does not come down.
+const MOST_REFINEMENTS: u32 = 4096;
+/// Elements are uncertain whose relative error is above this share of its root mean square.
+const HALF: f64 = 0.5;
+/// Unshot share of which most is the rounding of numbers.
+const ROUNDING: f64 = 1e-6;
 /// Rays that tell which share of direct light is lost.
 const PROBING_RAYS: u64 = 1 << 18;
 /// Largest relative correction of direct light by that share.
@@ -78,6 +80,7 @@ const DIM: f64 = 0.01;
 enum Phase {
     Direct,
     Spread,
+    Refine,
     Repeat,
     Done,
 }
@@ -96,26 +99,28 @@ pub struct Stochastic {
     lost: Lost,
     /// Rays of direct light, of spreading and of repetitions.
     rays: [u64; 3],
-    repetitions: u32,
+    refinements: u32,
     /// Whether all its light is of this solver, so that it can be shot anew.
     is_new: bool,
     emitted: f64,
     noise: f64,
+    /// Its parts, of direct and of reflected light.
+    noises: [f64; 2],
 }
 
 /// What irradiance is made of. Elements of a channel follow each other, except where it is said otherwise.
 struct Light {
     /// Before the first step: sun, sky and points, or what another solver brought.
     before: Vec<f32>,
-    /// From emitters that nearly touch, and the sum of the batches of the others, `[element][channel]`.
+    /// From emitters that nearly touch, and the sum over rounds of what the others bring, `[element][channel]`.
     near: Vec<f32>,
-    batches: Vec<f32>,
-    /// Number of batches.
-    count: u32,
+    far: Vec<f32>,
+    /// Rounds of each element.
+    rounds: Vec<u32>,
+    /// The sum over rounds, summed over channels, of each replicate.
+    far_replicates: Vec<[f32; REPLICATES]>,
     /// Factor on direct light by channel, which makes it account for all that is emitted.
     scale: Vec<f64>,
-    /// Of the batches of each element, summed over channels: sum and sum of squares.
-    moments: Vec<[f32; 2]>,
     /// Reflected light of each receiver, `[channel][receiver]`.
     indirect: Vec<f64>,
     /// The same summed over channels, of each replicate, `[replicate][receiver]`.
@@ -128,6 +133,8 @@ struct Light {
 #[derive(Default)]
 struct Lost {
     direct: [Vec<f64>; 2],
+    /// What rays from the emitters say of direct light.
+    probed: [Vec<f64>; 2],
     indirect: [Vec<f64>; 2],
     /// Absorbed by backs and escaped before the first step.
     before: Vec<[f64; 2]>,
@@ -160,27 +167,34 @@ impl Stochastic {
         };
         let direct = Direct::new(mesh.clone(), exitance, hash(options.seed, 1));
         let mut solver = Self {
-            phase: if direct.is_dark() { Phase::Spread } else { Phase::Direct },
+            phase: if direct.is_dark() {
+                Phase::Spread
+            } else {
+                Phase::Direct
+            },
             interpolation: (receivers == Receivers::Patches)
                 .then(|| Interpolation::new(&mesh, areas.clone())),
             shooter: Shooter::new(&mesh, receivers, hash(options.seed, 2)),
             light: Light {
                 before: all_channels(&solution, Solution::irradiance),
                 near: Vec::new(),
-                batches: vec![0.0; channels * elements],
-                count: 0,
+                far: vec![0.0; channels * elements],
+                rounds: vec![0; elements],
+                far_replicates: vec![[0.0; REPLICATES]; elements],
                 scale: vec![1.0; channels],
-                moments: vec![[0.0; 2]; elements],
                 indirect: vec![0.0; channels * areas.len()],
                 replicates: vec![0.0; REPLICATES * areas.len()],
                 shot: Vec::new(),
             },
             lost: Lost::new(&solution),
             rays: [0; 3],
-            repetitions: 0,
+            refinements: 0,
             is_new,
-            emitted: (0..BANDS).map(|band| solution.total_balance(band).emitted).sum(),
+            emitted: (0..BANDS)
+                .map(|band| solution.total_balance(band).emitted)
+                .sum(),
             noise: f64::INFINITY,
+            noises: [f64::INFINITY; 2],
             direct,
             receivers,
             areas,
@@ -189,7 +203,12 @@ impl Stochastic {
         };
         solver.light.shot = solver.outgoing();
         let unshot = all_channels(&solver.solution, Solution::unshot);
-        solver.light.shot.iter_mut().zip(unshot).for_each(|(shot, unshot)| *shot -= unshot);
+        solver
+            .light
+            .shot
+            .iter_mut()
+            .zip(unshot)
+            .for_each(|(shot, unshot)| *shot -= unshot);
         Ok(solver)
     }
 
@@ -235,62 +254,109 @@ impl Stochastic {
         radiosity
     }
 
-    /// A batch of direct light.
-    fn add_batch(&mut self) {
-        let light = &mut self.light;
-        if light.count == 0 {
-            let near = self.direct.near();
-            self.rays[0] += near.rays;
-            light.near = near.irradiance;
-            // What is emitted counts as shot from now on.
-            light.shot.iter_mut().zip(self.direct.exitance()).for_each(|(s, e)| *s += e);
-        }
-        let batch = self.direct.batch(light.count);
-        self.rays[0] += batch.rays;
-        light.count += 1;
-        let channels = light.scale.len();
-        let new = batch.irradiance.chunks_exact(channels);
-        let old = light.batches.chunks_exact_mut(channels).zip(&mut light.moments);
-        for (new, (old, [sum, squares])) in new.zip(old) {
-            old.iter_mut().zip(new).for_each(|(old, new)| *old += new);
-            let total: f32 = new.iter().sum();
-            *sum += total;
-            *squares += total * total;
-        }
-        self.update();
-        let is_quiet = self.noise <= self.options.noise * core::f64::consts::FRAC_1_SQRT_2;
-        if light_is_enough(self.light.count, is_quiet) {
-            self.close_direct();
-            self.update();
-            self.phase = Phase::Spread;
-        }
+    /// The first round of direct light.
+    fn begin_direct(&mut self) {
+        let near = self.direct.near();
+        self.rays[0] += near.rays;
+        self.light.near = near.irradiance;
+        self.probe();
+        // What is emitted counts as shot from now on.
+        let shot = self.light.shot.iter_mut().zip(self.direct.exitance());
+        shot.for_each(|(shot, emitted)| *shot += emitted);
+        self.add_round(|_| true);
+        self.phase = Phase::Spread;
     }
 
-    /// Makes direct light account for all that is emitted: rays from the emitters tell the lost share.
-    fn close_direct(&mut self) {
+    /// One more round of direct light for the elements of which it is uncertain.
+    fn refine_direct(&mut self) {
+        let doubt = HALF * self.noises[0];
+        let elements = 0..self.mesh().elements().len();
+        let is_uncertain: Vec<bool> = elements
+            .into_par_iter()
+            .map(|e| {
+                let irradiance = self.total_irradiance(e);
+                irradiance > 0.0 && self.direct_variance(e).sqrt() >= doubt * irradiance
+            })
+            .collect();
+        self.add_round(|e| is_uncertain[e]);
+        self.phase = self.next_phase();
+    }
+
+    /// Casts one more round of rays for some elements.
+    fn add_round(&mut self, is_wanted: impl Fn(usize) -> bool + Sync) {
+        let light = &mut self.light;
+        let brought = self
+            .direct
+            .round(|e| is_wanted(e).then_some(light.rounds[e]));
+        self.rays[0] += brought.rays;
+        let channels = light.scale.len();
+        let new = brought
+            .irradiance
+            .chunks_exact(channels)
+            .zip(&brought.replicates);
+        let old = light
+            .far
+            .chunks_exact_mut(channels)
+            .zip(&mut light.far_replicates);
+        for (e, ((new, new_replicates), (old, replicates))) in new.zip(old).enumerate() {
+            if !is_wanted(e) {
+                continue;
+            }
+            light.rounds[e] += 1;
+            old.iter_mut().zip(new).for_each(|(old, new)| *old += new);
+            replicates
+                .iter_mut()
+                .zip(new_replicates)
+                .for_each(|(old, new)| *old += new);
+        }
+        self.close_direct();
+        self.update();
+    }
+
+    /// Rays from the emitters tell which share of direct light is lost.
+    fn probe(&mut self) {
         let mesh = self.mesh().clone();
-        let elements = mesh.elements().len();
         let mut prober = Shooter::new(&mesh, self.receivers, hash(self.options.seed, 3));
         let probe = prober.shoot(&mesh, self.direct.exitance(), PROBING_RAYS);
         self.rays[0] += probe.rays;
+        self.lost.probed = [probe.backs, probe.escaped];
+    }
+
+    /// Makes direct light account for all that is emitted.
+    fn close_direct(&mut self) {
+        let mesh = self.mesh().clone();
+        let elements = mesh.elements().len();
         for channel in 0..self.channels() {
             let area = |e: usize| f64::from(mesh.exposed_area(e));
             let kept = |e: usize| 1.0 - f64::from(mesh.transmittance()[e][channel % BANDS]);
+            self.light.scale[channel] = 1.0;
             let received: f64 = (0..elements)
                 .map(|e| self.light.direct(e, channel) * kept(e) * area(e))
                 .sum();
             let exitance = &self.direct.exitance()[channel * elements..(channel + 1) * elements];
-            let emitted: f64 = exitance.iter().enumerate().map(|(e, &b)| f64::from(b) * area(e)).sum();
-            let (backs, escaped) = (probe.backs[channel], probe.escaped[channel]);
+            let flux = |(e, &b): (usize, &f32)| f64::from(b) * area(e);
+            let emitted: f64 = exitance.iter().enumerate().map(flux).sum();
+            let [backs, escaped] = [0, 1].map(|way| self.lost.probed[way][channel]);
             let scale = (emitted - backs - escaped) / received;
             let is_trusted = (scale - 1.0).abs() <= TRUSTED_CORRECTION;
-            let scale = if is_trusted { scale } else { 1.0 };
+            let (scale, lost) = if is_trusted {
+                (scale, [backs, escaped])
+            } else {
+                let share = (emitted - received) / (backs + escaped);
+                let shares = [backs * share, escaped * share];
+                let is_known = shares.iter().all(|flux| flux.is_finite());
+                (
+                    1.0,
+                    if is_known {
+                        shares
+                    } else {
+                        [0.0, emitted - received]
+                    },
+                )
+            };
             self.light.scale[channel] = scale;
-            let rest = emitted - received * scale;
-            let lost = backs + escaped;
-            let to_backs = if lost > 0.0 { backs / lost } else { 0.0 };
-            self.lost.direct[0][channel] = rest * to_backs;
-            self.lost.direct[1][channel] = rest * (1.0 - to_backs);
+            self.lost.direct[0][channel] = lost[0];
+            self.lost.direct[1][channel] = lost[1];
         }
     }
 
@@ -302,10 +368,14 @@ impl Stochastic {
         let mesh = self.mesh().clone();
         let arrived = self.shooter.shoot(&mesh, &unshot, whole(rays));
         self.rays[1] += arrived.rays;
-        self.light.shot.iter_mut().zip(&unshot).for_each(|(shot, unshot)| *shot += unshot);
+        self.light
+            .shot
+            .iter_mut()
+            .zip(&unshot)
+            .for_each(|(shot, unshot)| *shot += unshot);
         self.take(&arrived, 1.0, 1.0);
         self.update();
-        if self.solution.unshot_fraction() <= self.options.tolerance {
+        if self.solution.unshot_fraction() <= self.options.tolerance.max(ROUNDING) {
             self.phase = self.next_phase();
         }
     }
@@ -315,14 +385,21 @@ impl Stochastic {
         let mesh = self.mesh().clone();
         let elements = mesh.elements().len();
         let mut radiosity = self.outgoing();
-        if self.light.count > 0 {
+        if !self.direct.is_dark() {
             let exitance = self.direct.exitance();
-            radiosity.iter_mut().zip(exitance).for_each(|(b, e)| *b -= e);
+            radiosity
+                .iter_mut()
+                .zip(exitance)
+                .for_each(|(b, e)| *b -= e);
         }
         let constants: Vec<f32> = (0..self.channels())
             .map(|channel| {
                 let range = channel * elements..(channel + 1) * elements;
-                if self.loses_nothing() { mean(&mesh, &radiosity[range]) } else { 0.0 }
+                if self.loses_nothing() {
+                    mean(&mesh, &radiosity[range])
+                } else {
+                    0.0
+                }
             })
             .collect();
         let shot = radiosity.clone();
@@ -336,26 +413,31 @@ impl Stochastic {
         let before = self.rays[1] + self.rays[2];
         self.rays[2] += arrived.rays;
         let weight = arrived.rays as f64 / (before + arrived.rays) as f64;
-        let kept = to_f32(1.0 - weight);
-        let emitted: Vec<f32> = if self.light.count > 0 {
+        let emitted: Vec<f32> = if !self.direct.is_dark() {
             self.direct.exitance().to_vec()
         } else {
             vec![0.0; shot.len()]
         };
         let now = shot.iter().zip(&emitted);
         for (old, (new, emitted)) in self.light.shot.iter_mut().zip(now) {
-            *old = kept * (*old - emitted) + (1.0 - kept) * new + emitted;
+            let reflected = f64::from(*old - emitted);
+            *old = to_f32(reflected + weight * (f64::from(*new) - reflected)) + emitted;
         }
         self.take(&arrived, 1.0 - weight, weight);
         self.update();
-        self.repetitions += 1;
         self.phase = self.next_phase();
     }
 
+    /// What makes most of the noise is next.
     fn next_phase(&self) -> Phase {
         let is_over = !self.is_new
-            || self.noise <= self.options.noise || self.repetitions >= MOST_REPETITIONS;
-        if is_over { Phase::Done } else { Phase::Repeat }
+            || self.noise <= self.options.noise
+            || self.refinements >= MOST_REFINEMENTS;
+        match (is_over, self.noises[0] > self.noises[1]) {
+            (true, _) => Phase::Done,
+            (false, true) => Phase::Refine,
+            (false, false) => Phase::Repeat,
+        }
     }
 
     /// Rays that carry all light once.
@@ -395,7 +477,12 @@ impl Stochastic {
         };
         mix(&mut self.light.indirect, &arrived.received);
         mix(&mut self.light.replicates, &arrived.replicates);
-        for (old, new) in self.lost.indirect.iter_mut().zip([&arrived.backs, &arrived.escaped]) {
+        for (old, new) in self
+            .lost
+            .indirect
+            .iter_mut()
+            .zip([&arrived.backs, &arrived.escaped])
+        {
             for (old, new) in old.iter_mut().zip(new) {
                 *old = *old * kept + new * weight;
             }
@@ -412,12 +499,17 @@ impl Stochastic {
             let values = &mut irradiance[range.clone()];
             self.spread_indirect(channel, values);
             let before = &self.light.before[range];
-            values.par_iter_mut().zip(before).enumerate().for_each(|(e, (value, before))| {
-                *value += before + to_f32(self.light.direct(e, channel));
-            });
+            values
+                .par_iter_mut()
+                .zip(before)
+                .enumerate()
+                .for_each(|(e, (value, before))| {
+                    *value += before + to_f32(self.light.direct(e, channel));
+                });
         }
         self.write(&irradiance);
-        self.noise = self.estimate_noise();
+        self.noises = self.estimate_noises();
+        self.noise = self.noises[0].hypot(self.noises[1]);
     }
 
     /// Reflected light of the elements.
@@ -441,7 +533,9 @@ impl Stochastic {
             let band = channel % BANDS;
             let absorbed = |e: usize| {
                 let share = 1.0 - mesh.transmittance()[e][band] - mesh.reflectance()[e][band];
-                f64::from(share) * f64::from(irradiance[channel * elements + e]) * f64::from(mesh.exposed_area(e))
+                f64::from(share)
+                    * f64::from(irradiance[channel * elements + e])
+                    * f64::from(mesh.exposed_area(e))
             };
             let [backs, escaped] = self.lost.of(channel);
             balance.absorbed = (0..elements).map(absorbed).sum::<f64>() + backs;
@@ -457,30 +551,37 @@ impl Stochastic {
             .for_each(|(unshot, (outgoing, shot))| *unshot = outgoing - shot);
     }
 
-    fn estimate_noise(&self) -> f64 {
-        if self.phase == Phase::Direct && self.light.count < 2 {
-            return f64::INFINITY;
-        }
+    /// Of direct and of reflected light.
+    fn estimate_noises(&self) -> [f64; 2] {
         let elements = self.mesh().elements().len();
         let irradiance: Vec<f64> = (0..elements)
             .into_par_iter()
             .map(|e| self.total_irradiance(e))
             .collect();
         let area = |e: usize| f64::from(self.mesh().exposed_area(e));
-        let flux: f64 = irradiance.iter().enumerate().map(|(e, h)| h * area(e)).sum();
+        let flux: f64 = irradiance
+            .iter()
+            .enumerate()
+            .map(|(e, h)| h * area(e))
+            .sum();
         let least = DIM * flux / (0..elements).map(area).sum::<f64>();
-        let relative: Vec<Option<f64>> = (0..elements)
+        let squares: Vec<[f64; 2]> = irradiance
             .into_par_iter()
-            .map(|e| {
-                let h = irradiance[e];
-                (h > least).then(|| (self.standard_error(e) / h).powi(2))
+            .enumerate()
+            .filter(|&(_, h)| h > least)
+            .map(|(e, h)| {
+                let square = h * h;
+                [
+                    self.direct_variance(e) / square,
+                    self.indirect_variance(e) / square,
+                ]
             })
             .collect();
-        let (sum, count) = relative
-            .into_iter()
-            .flatten()
-            .fold((0.0, 0_u32), |(sum, count), square| (sum + square, count + 1));
-        if count == 0 { 0.0 } else { (sum / f64::from(count)).sqrt() }
+        let mean = |i: usize| {
+            let sum: f64 = squares.iter().map(|square| square[i]).sum();
+            (sum / squares.len().max(1) as f64).sqrt()
+        };
+        [mean(0), mean(1)]
     }
 
     /// Irradiance of an element, summed over channels.
@@ -491,38 +592,35 @@ impl Stochastic {
     }
 
     fn direct_variance(&self, element: usize) -> f64 {
-        let n = f64::from(self.light.count);
-        match self.light.count {
-            0 => 0.0,
-            1 => f64::INFINITY,
-            _ => {
-                let [sum, squares] = self.light.moments[element].map(f64::from);
-                ((squares - sum * sum / n) / (n * (n - 1.0))).max(0.0)
-            }
-        }
+        let rounds = f64::from(self.light.rounds[element].max(1));
+        let values = self.light.far_replicates[element].map(|sum| f64::from(sum) / rounds);
+        variance_of_mean(values)
     }
 
     fn indirect_variance(&self, element: usize) -> f64 {
         let receiver = self.receivers.of_element(self.mesh(), element);
-        let n = REPLICATES as f64;
-        let values = (0..REPLICATES).map(|g| self.light.replicates[g * self.areas.len() + receiver]);
-        let mean = values.clone().sum::<f64>() / n;
-        values.map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))
+        let receivers = self.areas.len();
+        variance_of_mean(core::array::from_fn(|g| {
+            self.light.replicates[g * receivers + receiver]
+        }))
     }
 }
 
-fn light_is_enough(batches: u32, is_quiet: bool) -> bool {
-    batches >= MOST_BATCHES || (batches >= LEAST_BATCHES && is_quiet)
+/// Squared standard error of the mean of independent estimates.
+fn variance_of_mean(values: [f64; REPLICATES]) -> f64 {
+    let n = REPLICATES as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))
 }
 
 impl Light {
     /// Direct irradiance of an element in a channel.
     fn direct(&self, element: usize, channel: usize) -> f64 {
-        if self.count == 0 {
+        if self.near.is_empty() {
             return 0.0;
         }
         let i = element * self.scale.len() + channel;
-        let far = f64::from(self.batches[i]) / f64::from(self.count);
+        let far = f64::from(self.far[i]) / f64::from(self.rounds[element].max(1));
         (far + f64::from(self.near[i])) * self.scale[channel]
     }
 }
@@ -548,6 +646,7 @@ impl Lost {
         Self {
             before: before.collect(),
             direct: zeros(),
+            probed: zeros(),
             indirect: zeros(),
         }
     }
@@ -564,9 +663,16 @@ impl Lost {
 impl Solver for Stochastic {
     fn step(&mut self) -> Progress {
         match self.phase {
-            Phase::Direct => self.add_batch(),
+            Phase::Direct => self.begin_direct(),
             Phase::Spread => self.spread(),
-            Phase::Repeat => self.repeat(),
+            Phase::Refine => {
+                self.refinements += 1;
+                self.refine_direct();
+            }
+            Phase::Repeat => {
+                self.refinements += 1;
+                self.repeat();
+            }
             Phase::Done => {}
         }
         self.solution.provenance.steps += 1;
@@ -604,7 +710,9 @@ impl Solver for Stochastic {
 /// All channels of something, one after the other.
 fn all_channels(solution: &Solution, of: fn(&Solution, usize, usize) -> &[f32]) -> Vec<f32> {
     let channels = 0..solution.groups().len() * BANDS;
-    channels.flat_map(|c| of(solution, c / BANDS, c % BANDS).iter().copied()).collect()
+    channels
+        .flat_map(|c| of(solution, c / BANDS, c % BANDS).iter().copied())
+        .collect()
 }
 
 /// Mean over the exposed areas.

@@ -1,7 +1,7 @@
 //! Where interreflected light is counted: on elements, or on patches where there are too many of them.
 
-use crate::patch::face::Side;
 use crate::patch::PatchMesh;
+use crate::patch::face::Side;
 use glam::Vec3;
 
 /// A cut through the mesh whose nodes count what arrives.

@@ -2,7 +2,7 @@
 //!
 //! Each patch casts rays in proportion to the flux that it shoots, from its elements in proportion to theirs, in
 //! cosine-distributed directions; all rays of a patch carry the same magnitude, so bright patches are followed more
-//! closely and what leaves arrives to the last bit. A ray needs its first hit and no form factor.
+//! closely. A ray needs its first hit and no form factor.
 
 use super::receivers::Receivers;
 use super::source::Source;
@@ -56,6 +56,12 @@ struct Job<'a> {
     rays: core::ops::Range<u32>,
 }
 
+impl Job<'_> {
+    fn count(&self) -> u64 {
+        u64::from(self.rays.end.wrapping_sub(self.rays.start))
+    }
+}
+
 impl Shooter {
     pub(super) fn new(mesh: &PatchMesh, receivers: Receivers, seed: u64) -> Self {
         Self {
@@ -67,12 +73,15 @@ impl Shooter {
     }
 
     /// Shoots a radiosity, `[channel][element]`, by about so many rays and at least four of each patch that shoots.
-    /// It may be negative.
+    /// It may be negative. What arrives is made to be what left to the last bit, channel by channel: rays of an element of
+    /// one colour do not carry exactly its share.
     pub(super) fn shoot(&mut self, mesh: &PatchMesh, radiosity: &[f32], rays: u64) -> Arrived {
         let elements = mesh.elements().len();
         let channels = radiosity.len() / elements;
         let magnitude = |e: usize| {
-            let sum: f32 = (0..channels).map(|c| radiosity[c * elements + e].abs()).sum();
+            let sum: f32 = (0..channels)
+                .map(|c| radiosity[c * elements + e].abs())
+                .sum();
             f64::from(sum) * f64::from(mesh.exposed_area(e))
         };
         let patches = 0..mesh.patches().len();
@@ -89,16 +98,51 @@ impl Shooter {
             replicates: Tally::new(REPLICATES * receivers, bound * REPLICATES as f64),
             lost: Tally::new(2 * channels, total),
         };
-        jobs.par_iter()
-            .for_each(|job| self.cast(mesh, radiosity, job, &sums));
+        let carried: Vec<Vec<f64>> = jobs
+            .par_iter()
+            .map(|job| self.cast(mesh, radiosity, job, &sums))
+            .collect();
         let number = |tally: &Tally, count: usize| (0..count).map(|i| tally.get(i)).collect();
         let lost: Vec<f64> = number(&sums.lost, 2 * channels);
-        Arrived {
+        let mut arrived = Arrived {
             received: number(&sums.received, channels * receivers),
             replicates: number(&sums.replicates, REPLICATES * receivers),
             backs: lost[..channels].to_vec(),
             escaped: lost[channels..].to_vec(),
-            rays: jobs.iter().map(|job| u64::from(job.rays.end - job.rays.start)).sum(),
+            rays: jobs.iter().map(Job::count).sum(),
+        };
+        for channel in 0..channels {
+            let values = &radiosity[channel * elements..(channel + 1) * elements];
+            let flux = |(e, &b): (usize, &f32)| f64::from(b) * f64::from(mesh.exposed_area(e));
+            let left: f64 = values.iter().enumerate().map(flux).sum();
+            let carried: f64 = carried.iter().map(|of_job| of_job[channel]).sum();
+            let is_positive = values.iter().all(|&b| b >= 0.0);
+            self.balance(&mut arrived, channel, left, carried, is_positive);
+        }
+        arrived
+    }
+
+    /// Scales what a channel brought to what left; where it has both signs, adds the rest evenly.
+    fn balance(
+        &self,
+        arrived: &mut Arrived,
+        channel: usize,
+        left: f64,
+        carried: f64,
+        is_positive: bool,
+    ) {
+        let receivers = self.areas.len();
+        let received = &mut arrived.received[channel * receivers..(channel + 1) * receivers];
+        if is_positive {
+            let scale = if carried > 0.0 { left / carried } else { 1.0 };
+            received.iter_mut().for_each(|flux| *flux *= scale);
+            arrived.backs[channel] *= scale;
+            arrived.escaped[channel] *= scale;
+        } else {
+            let total: f64 = self.areas.iter().sum();
+            let rest = (left - carried) / total;
+            let pairs = received.iter_mut().zip(&self.areas);
+            pairs.for_each(|(flux, area)| *flux += rest * area);
         }
     }
 
@@ -130,13 +174,15 @@ impl Shooter {
         jobs
     }
 
-    fn cast(&self, mesh: &PatchMesh, radiosity: &[f32], job: &Job<'_>, sums: &Sums) {
+    /// Casts a job's rays; returns what they carried, by channel.
+    fn cast(&self, mesh: &PatchMesh, radiosity: &[f32], job: &Job<'_>, sums: &Sums) -> Vec<f64> {
         let elements = mesh.elements().len();
         let channels = radiosity.len() / elements;
         let receivers = self.areas.len();
         let visibility = mesh.visibility();
         let seed = hash(hash(self.seed, job.patch as u64), job.replicate as u64);
         let mut carried = vec![0.0; channels];
+        let mut total = vec![0.0; channels];
         let mut ray = job.rays.start;
         while ray != job.rays.end {
             let [u, v, s, t] = point4(ray, seed);
@@ -144,8 +190,9 @@ impl Shooter {
             let choice = job.source.choose(u);
             let e = choice.element;
             let scale = f64::from(mesh.exposed_area(e)) * job.share / choice.probability;
-            for (channel, flux) in carried.iter_mut().enumerate() {
+            for (channel, (flux, total)) in carried.iter_mut().zip(&mut total).enumerate() {
                 *flux = f64::from(radiosity[channel * elements + e]) * scale;
+                *total += *flux;
             }
             let normal = mesh.node(mesh.elements()[e]).normal;
             let point = mesh.exposed(e).point([choice.rest, v]);
@@ -161,7 +208,8 @@ impl Shooter {
                         .filter(|&receiver| self.areas[receiver] > 0.0);
                     match receiver {
                         Some(receiver) => {
-                            let kept = Rgb::WHITE - mean_transmittance(mesh, self.receivers, receiver);
+                            let kept =
+                                Rgb::WHITE - mean_transmittance(mesh, self.receivers, receiver);
                             sums.receive(&carried, taken, kept, job.replicate, receiver, receivers);
                         }
                         None => sums.lose(&carried, taken, 0),
@@ -170,6 +218,7 @@ impl Shooter {
             );
             sums.lose(&carried, escaped, channels);
         }
+        total
     }
 }
 

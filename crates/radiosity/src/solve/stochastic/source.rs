@@ -45,7 +45,11 @@ impl Source {
         let wanted = f64::from(sample) * self.total();
         let found = self.sums.partition_point(|&sum| sum <= wanted);
         let index = found.min(self.sums.len() - 1);
-        let start = if index == 0 { 0.0 } else { self.sums[index - 1] };
+        let start = if index == 0 {
+            0.0
+        } else {
+            self.sums[index - 1]
+        };
         let share = self.sums[index] - start;
         Choice {
             element: self.first + index,

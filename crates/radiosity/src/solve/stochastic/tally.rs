@@ -59,7 +59,9 @@ mod tests {
                 amounts.reverse();
             }
             pool.expect("threads").install(|| {
-                amounts.par_iter().for_each(|&a| tally.add(0, tally.units(a)));
+                amounts
+                    .par_iter()
+                    .for_each(|&a| tally.add(0, tally.units(a)));
             });
             tally.get(0)
         };
