@@ -1,77 +1,204 @@
 //! Which part of a face a point lies in: down the forest, by the lines that cut each cell.
+//!
+//! [`split`](super::subdivide::split) cuts cells along lines between the vertices of its first cells, so one to three of
+//! them decide between the parts. They are kept apart from the nodes, a cache line for each cut, since a ray that arrives
+//! at a wall of thousands of patches reads one for every level. Fans around a centre, which are rare, are compared child
+//! by child.
 
 use super::face::Side;
 use super::{NONE, NodeId, PatchMesh};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
+
+/// Where the walk goes on: tagged in its highest bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Way(u32);
+
+const TAG: u32 = 3 << 30;
+const CUT: u32 = 0;
+const PATCH: u32 = 1 << 30;
+const ELEMENT: u32 = 2 << 30;
+const NOWHERE: Way = Way(u32::MAX);
+
+/// A cell that is cut into parts.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+struct Cut {
+    /// Planes through the cutting lines: normal, and minus the distance from the origin.
+    lines: [Vec4; 3],
+    /// By the number that [`Cut::part`] gives.
+    parts: [Way; 4],
+}
+
+/// How the lines decide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// The first line, and on its far side the second, and so on.
+    Chain,
+    /// Two lines that cross.
+    Cross,
+    /// No lines: a fan, of the node that stands in place of the first part.
+    Fan,
+}
+
+/// Finds parts of faces.
+#[derive(Debug, Default)]
+pub(super) struct Locator {
+    cuts: Vec<Cut>,
+    kinds: Vec<Kind>,
+    /// For each face's front and back.
+    roots: Vec<[Way; 2]>,
+    /// From each patch to its elements.
+    patches: Vec<Way>,
+    /// Cuts of the children of fans.
+    fans: std::collections::HashMap<u32, Way>,
+}
+
+impl Cut {
+    /// Which part a point is in.
+    #[inline]
+    fn part(&self, kind: Kind, point: Vec4) -> usize {
+        let beyond = |line: usize| self.lines[line].dot(point) < 0.0;
+        match kind {
+            Kind::Cross => match (beyond(0), beyond(1)) {
+                (false, false) => 0,
+                (true, false) => 1,
+                (true, true) => 2,
+                (false, true) => 3,
+            },
+            _ => (0..3).find(|&line| !beyond(line)).unwrap_or(3),
+        }
+    }
+}
+
+impl Locator {
+    pub(super) fn new(mesh: &PatchMesh) -> Self {
+        let mut locator = Self::default();
+        locator.patches = vec![NOWHERE; mesh.patches.len()];
+        for roots in &mesh.roots {
+            let ways = roots.map(|root| root.map_or(NOWHERE, |root| locator.way_to(mesh, root)));
+            locator.roots.push(ways);
+        }
+        locator
+    }
+
+    /// The way to a node, with all that lies below it.
+    fn way_to(&mut self, mesh: &PatchMesh, id: NodeId) -> Way {
+        let patch = mesh.patch_of_node[id.index()];
+        if patch == NONE {
+            return self.way_below(mesh, id);
+        }
+        let below = self.way_below(mesh, id);
+        self.patches[patch as usize] = below;
+        Way(PATCH | patch)
+    }
+
+    fn way_below(&mut self, mesh: &PatchMesh, id: NodeId) -> Way {
+        let element = mesh.element_of_node[id.index()];
+        if element != NONE {
+            return Way(ELEMENT | element);
+        }
+        let (kind, lines) = lines_of(mesh, id);
+        let index = self.cuts.len();
+        self.cuts.push(Cut {
+            lines,
+            parts: [NOWHERE; 4],
+        });
+        self.kinds.push(kind);
+        if kind == Kind::Fan {
+            for child in mesh.children(id) {
+                let way = self.way_to(mesh, child);
+                self.fans.insert(child.0, way);
+            }
+            self.cuts[index].parts[0] = Way(id.0);
+        } else {
+            for (i, child) in mesh.children(id).enumerate() {
+                let way = self.way_to(mesh, child);
+                // A line that is not there leaves everything on its near side.
+                self.cuts[index].parts[i] = way;
+            }
+        }
+        Way(CUT | crate::index32(index))
+    }
+
+    /// Walks until it meets something with this tag.
+    #[inline]
+    fn walk(&self, mesh: &PatchMesh, mut way: Way, tag: u32, point: Vec3) -> Option<usize> {
+        let homogeneous = point.extend(1.0);
+        loop {
+            if way == NOWHERE {
+                return None;
+            }
+            let index = (way.0 & !TAG) as usize;
+            way = match way.0 & TAG {
+                found if found == tag => return Some(index),
+                PATCH => self.patches[index],
+                _ => {
+                    let (cut, kind) = (&self.cuts[index], self.kinds[index]);
+                    if kind == Kind::Fan {
+                        let child = mesh.deepest_child(NodeId(cut.parts[0].0), point);
+                        self.fans[&child.0]
+                    } else {
+                        cut.parts[cut.part(kind, homogeneous)]
+                    }
+                }
+            };
+        }
+    }
+}
+
+/// The lines that tell a node's children apart.
+fn lines_of(mesh: &PatchMesh, id: NodeId) -> (Kind, [Vec4; 3]) {
+    let node = &mesh.nodes[id.index()];
+    let cells: Vec<_> = mesh
+        .children(id)
+        .map(|c| mesh.nodes[c.index()].cell)
+        .collect();
+    // Positive on the left of the line from one vertex to another, seen against the normal.
+    let line = |from: u32, to: u32| {
+        let (a, b) = (mesh.vertices[from as usize], mesh.vertices[to as usize]);
+        let inward = node.normal.cross(b - a);
+        inward.extend(-inward.dot(a))
+    };
+    // The edge of the first cell that it shares with the second.
+    let shared = |first: usize, second: usize| {
+        let (first, second) = (cells[first].corners(), cells[second].corners());
+        let n = first.len();
+        let edge =
+            (0..n).find(|&i| second.contains(&first[i]) && second.contains(&first[(i + 1) % n]));
+        edge.map(|i| line(first[i], first[(i + 1) % n]))
+    };
+    let none = Vec4::ZERO;
+    let chain = |lines: [Option<Vec4>; 3]| match lines {
+        [Some(a), Some(b), Some(c)] => Some((Kind::Chain, [a, b, c])),
+        _ => None,
+    };
+    let found = match (node.cell.count, cells.len()) {
+        (_, 2) => chain([shared(0, 1), Some(none), Some(none)]),
+        (3, 3) => {
+            let [ab, _, bc] = [0, 1, 2].map(|i| cells[0].corners[i]);
+            chain([Some(line(bc, ab)), shared(1, 2), Some(none)])
+        }
+        (3, 4) => chain([shared(0, 3), shared(1, 3), shared(2, 3)]),
+        (4, 4) if cells[0].count == 4 => match (shared(0, 1), shared(0, 3)) {
+            (Some(a), Some(b)) => Some((Kind::Cross, [a, b, none])),
+            _ => None,
+        },
+        _ => None,
+    };
+    found.unwrap_or((Kind::Fan, [none; 3]))
+}
 
 impl PatchMesh {
     /// Position in [`Self::elements`] of the element at a point of a face's side; `None` if that side only absorbs.
     pub fn element_at(&self, face: usize, side: Side, point: Vec3) -> Option<usize> {
-        let element = self.descend(&self.element_of_node, face, side, point)?;
-        Some(element as usize)
+        let root = self.locator.roots[face][side as usize];
+        self.locator.walk(self, root, ELEMENT, point)
     }
 
     /// Position in [`Self::patches`] of the patch at a point of a face's side; `None` if that side only absorbs.
     pub fn patch_at(&self, face: usize, side: Side, point: Vec3) -> Option<usize> {
-        let patch = self.descend(&self.patch_of_node, face, side, point)?;
-        Some(patch as usize)
-    }
-
-    /// From the root of a face's side down to the cut; `of_node` holds each node's position in it.
-    fn descend(&self, of_node: &[u32], face: usize, side: Side, point: Vec3) -> Option<u32> {
-        let mut id = self.roots[face][side as usize]?;
-        while of_node[id.index()] == NONE {
-            id = self.child_at(id, point);
-        }
-        Some(of_node[id.index()])
-    }
-
-    /// The child that a point lies in, or is nearest to.
-    ///
-    /// Cells are cut by [`split`](super::subdivide::split) along lines between the vertices of its first cells, so one
-    /// to three of them decide; fans around a centre, which are rare, are compared child by child.
-    fn child_at(&self, id: NodeId, point: Vec3) -> NodeId {
-        let node = &self.nodes[id.index()];
-        let child = |i: u32| NodeId(node.first_child + i);
-        let corners = |i: u32| self.nodes[child(i).index()].cell.corners;
-        let count = |i: u32| self.nodes[child(i).index()].cell.count;
-        // On the left of the line from one vertex to another, where its own cell is.
-        let left = |from: u32, to: u32| {
-            let (a, b) = (self.vertices[from as usize], self.vertices[to as usize]);
-            (b - a).cross(point - a).dot(node.normal) >= 0.0
-        };
-        match (node.cell.count, node.child_count) {
-            (_, 2) => {
-                let [_, b, c, d] = corners(0);
-                let other = corners(1);
-                let (from, to) = if count(0) == 4 && !other.contains(&b) {
-                    (c, d)
-                } else {
-                    (b, c)
-                };
-                child(u32::from(!left(from, to)))
-            }
-            (4, 4) if count(0) == 4 => {
-                let [_, ab, m, da] = corners(0);
-                match (left(ab, m), left(m, da)) {
-                    (true, true) => child(0),
-                    (false, true) => child(1),
-                    (false, false) => child(2),
-                    (true, false) => child(3),
-                }
-            }
-            (3, 4) => {
-                let [_, ab, ca, _] = corners(0);
-                let bc = corners(1)[2];
-                match (left(ab, ca), left(bc, ab), left(ca, bc)) {
-                    (true, ..) => child(0),
-                    (_, true, _) => child(1),
-                    (.., true) => child(2),
-                    _ => child(3),
-                }
-            }
-            _ => self.deepest_child(id, point),
-        }
+        let root = self.locator.roots[face][side as usize];
+        self.locator.walk(self, root, PATCH, point)
     }
 
     fn deepest_child(&self, id: NodeId, point: Vec3) -> NodeId {

@@ -12,6 +12,7 @@ pub mod subdivide;
 use crate::error::RadiosityError;
 use crate::patch::exposure::{ExposedArea, ExposedPoints};
 use crate::patch::face::{Side, WorldFace, newell_normal, world_faces};
+use crate::patch::locate::Locator;
 use crate::patch::subdivide::{Cell, Vertices, any_edge_longer, split};
 use crate::sampling::{cosine_direction, point_in_polygon, point2};
 use crate::stop::{NEVER, Stop};
@@ -158,6 +159,7 @@ pub struct PatchMesh {
     visibility: Visibility,
     /// Root nodes of each face's front and back; `None` where that side only absorbs.
     roots: Vec<[Option<NodeId>; 2]>,
+    locator: Locator,
     /// Faces without a lit side, with their vertices.
     obstructions: Vec<(u32, Cell)>,
     vertices: Vec<Vec3>,
@@ -217,6 +219,7 @@ impl PatchMesh {
         let mut mesh = Self {
             options,
             roots: vec![[None; 2]; faces.len()],
+            locator: Locator::default(),
             obstructions: Vec::new(),
             vertices: Vec::new(),
             nodes: Vec::new(),
@@ -572,6 +575,7 @@ impl PatchMesh {
         for (i, id) in self.elements.iter().enumerate() {
             self.element_of_node[id.index()] = id32(i);
         }
+        self.locator = Locator::new(self);
         let averages: Option<Vec<[Rgb; 3]>> = self
             .elements
             .par_iter()
