@@ -150,7 +150,8 @@ impl<F: FnMut(i32, i32, &[f32])> CoverageTarget for (Window, F) {
     }
 }
 
-/// Pixels that can be mixed. Coverage is a share of light, so the numbers must be linear light.
+/// Pixels that can be mixed. Coverage is a share of light, so the numbers must be linear light; bytes are masks or other
+/// shares of 256 levels, rounded to the nearest.
 pub trait Blend: Copy {
     /// `self + share (over - self)`.
     #[must_use]
@@ -172,6 +173,27 @@ impl Blend for Rgb {
             self.g.blend(over.g, share),
             self.b.blend(over.b, share),
         )
+    }
+}
+
+impl Blend for u8 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between two bytes"
+    )]
+    #[inline(always)]
+    fn blend(self, over: Self, share: f32) -> Self {
+        let (from, to) = (f32::from(self), f32::from(over));
+        // By way of 32 bits, which vectors have an instruction for.
+        (from + share * (to - from) + 0.5) as i32 as Self
+    }
+}
+
+impl<const N: usize> Blend for [u8; N] {
+    #[inline(always)]
+    fn blend(self, over: Self, share: f32) -> Self {
+        std::array::from_fn(|k| self[k].blend(over[k], share))
     }
 }
 

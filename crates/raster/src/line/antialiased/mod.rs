@@ -54,8 +54,7 @@ pub fn draw_line(target: &mut impl CoverageTarget, from: DVec2, to: DVec2, width
     if let Some(bar) = Bar::new(from, to, width) {
         let piece = Piece::bar(&bar, &target.window());
         if !piece.is_empty() {
-            let mut sums = Sums::new(std::slice::from_ref(&piece));
-            draw_alone(target, &piece, piece.rows.clone(), &mut sums);
+            piece.cover_alone(target, piece.rows.clone());
         }
     }
 }
@@ -87,7 +86,11 @@ fn draw_pieces(target: &mut impl CoverageTarget, pieces: &[Piece]) {
         }
         let end = waiting.peek().map_or(i32::MAX, |piece| piece.rows.start);
         row = match active.as_slice() {
-            [piece] => draw_alone(target, piece, row..end, &mut sums),
+            [piece] if piece.is_bar() => {
+                let rows = row..end.min(piece.rows.end);
+                piece.cover_alone(target, rows.clone());
+                rows.end
+            }
             _ => {
                 draw_row(target, &active, row, &mut sums);
                 row + 1
@@ -102,33 +105,6 @@ fn draw_row(target: &mut impl CoverageTarget, pieces: &[&Piece], row: i32, sums:
         piece.cover_row(row, sums);
     }
     sums.hand_over(target, row);
-}
-
-/// Draws rows of a piece that has them for itself, and says which one is next.
-fn draw_alone(
-    target: &mut impl CoverageTarget,
-    piece: &Piece,
-    rows: Range<i32>,
-    sums: &mut Sums,
-) -> i32 {
-    let rows = rows.start..rows.end.min(piece.rows.end);
-    if let Some(strip) = &piece.strip
-        && strip.is_narrow()
-    {
-        for row in rows.start..strip.free_rows.start.clamp(rows.start, rows.end) {
-            draw_row(target, &[piece], row, sums);
-        }
-        let free = strip.free_rows.start.max(rows.start)..strip.free_rows.end.min(rows.end);
-        strip.cover_rows(target, free, &piece.columns);
-        for row in strip.free_rows.end.clamp(rows.start, rows.end)..rows.end {
-            draw_row(target, &[piece], row, sums);
-        }
-    } else {
-        for row in rows.clone() {
-            draw_row(target, &[piece], row, sums);
-        }
-    }
-    rows.end
 }
 
 /// The coverages of a row while its pieces are summed up.
