@@ -20,6 +20,8 @@ pub(crate) struct SignedArea {
     /// x of its ends.
     pub left: f64,
     pub right: f64,
+    /// `1 / (2 (right - left))`; 0 of a piece that is upright, or so nearly that it does not matter.
+    pub per_2w: f32,
     /// Share of the row's height that it spans; positive where the area begins, negative where it ends.
     pub height: f32,
 }
@@ -33,8 +35,22 @@ impl SignedArea {
     pub const ZERO: Self = Self {
         left: 0.0,
         right: 0.0,
+        per_2w: 0.0,
         height: 0.0,
     };
+
+    /// Pieces of a smaller width are upright: less is a matter of rounding, as x has an error of some 1e-7 within a block.
+    pub const UPRIGHT: f64 = 1e-6;
+
+    /// What [`Self::per_2w`] is for a width.
+    #[inline(always)]
+    pub fn per_twice(width: f64) -> f32 {
+        if width > Self::UPRIGHT {
+            narrow(0.5 / width)
+        } else {
+            0.0
+        }
+    }
 
     /// Between two x, in any order.
     #[inline(always)]
@@ -44,6 +60,7 @@ impl SignedArea {
         Self {
             left,
             right,
+            per_2w: Self::per_twice(right - left),
             height,
         }
     }
@@ -52,12 +69,9 @@ impl SignedArea {
     #[inline(always)]
     pub fn shares(&self, first: f64) -> f32x8 {
         let [left, right] = [self.left - first, self.right - first].map(narrow);
-        let width = right - left;
-        // All of an upright piece's area is behind it.
-        let per_2w = if width > 1e-12 { 0.5 / width } else { 0.0 };
         let (l, r) = (f32x8::splat(left), f32x8::splat(right));
         let (p, q) = (l.fast_max(LEFT_SIDES), r.fast_min(RIGHT_SIDES));
-        let under = (q - p).fast_max(f32x8::ZERO) * (p + q - (l + l)) * per_2w;
+        let under = (q - p).fast_max(f32x8::ZERO) * (p + q - (l + l)) * self.per_2w;
         let behind = (RIGHT_SIDES - r).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
         (under + behind) * self.height
     }

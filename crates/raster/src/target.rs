@@ -177,17 +177,18 @@ impl Blend for Rgb {
 }
 
 impl Blend for u8 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between two bytes"
-    )]
     #[inline(always)]
     fn blend(self, over: Self, share: f32) -> Self {
         let (from, to) = (f32::from(self), f32::from(over));
-        // By way of 32 bits, which vectors have an instruction for.
-        (from + share * (to - from) + 0.5) as i32 as Self
+        rounded_byte(from + share * (to - from))
     }
+}
+
+/// The whole number next to one in [0, 255]. From 2^23 on floats have no fraction, so that their last byte is the number;
+/// vectors have no instruction for a cast that saturates.
+#[inline(always)]
+pub(crate) fn rounded_byte(number: f32) -> u8 {
+    (number + 8_388_608.0).to_bits().to_le_bytes()[0]
 }
 
 impl<const N: usize> Blend for [u8; N] {

@@ -1,6 +1,7 @@
 //! Coverage into pictures.
 
 use super::{FillRule, Outline, Rasterizer, Spans};
+use crate::target::rounded_byte;
 use crate::{Image, Rgb};
 
 /// What can be blended; colours in linear light.
@@ -34,16 +35,10 @@ impl Pixel for f32 {
 
 /// A mask of 256 levels, rounded to the nearest.
 impl Pixel for u8 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between two bytes"
-    )]
-    #[inline]
+    #[inline(always)]
     fn blend(self, value: Self, share: f32) -> Self {
         let (from, to) = (f32::from(self), f32::from(value));
-        // By way of 32 bits, which vectors have an instruction for.
-        (from + (to - from) * share + 0.5) as i32 as u8
+        rounded_byte(from + (to - from) * share)
     }
 }
 

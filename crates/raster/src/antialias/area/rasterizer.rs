@@ -45,6 +45,24 @@ struct Side {
     x: f64,
     sign: i32,
     change: f32,
+    /// See [`SignedArea::per_2w`].
+    per_2w: f32,
+}
+
+impl Side {
+    /// What it covers of the next row.
+    #[inline(always)]
+    fn next(&mut self, bottom: f64) -> SignedArea {
+        let (a, b) = (self.x, self.segment.x_at(bottom));
+        self.x = b;
+        let (left, right) = if a < b { (a, b) } else { (b, a) };
+        SignedArea {
+            left,
+            right,
+            per_2w: self.per_2w,
+            height: self.change,
+        }
+    }
 }
 
 /// A chain with the segment in which the current row begins.
@@ -198,6 +216,7 @@ impl Rasterizer {
                 x: segment.x_at(y as f64),
                 sign: chain.sign,
                 change: 0.0,
+                per_2w: SignedArea::per_twice(segment.slope().abs()),
             }
         }));
         let bottom = end as f64;
@@ -240,10 +259,8 @@ impl Rasterizer {
         for y in rows {
             let bottom = (y + 1) as f64;
             self.areas.clear();
-            self.areas.extend(self.sides.iter_mut().map(|side| {
-                let top = core::mem::replace(&mut side.x, side.segment.x_at(bottom));
-                SignedArea::new([top, side.x], side.change)
-            }));
+            let sides = self.sides.iter_mut();
+            self.areas.extend(sides.map(|side| side.next(bottom)));
             accumulate::emit(&self.areas, [y, self.width], settled_pixel, spans);
         }
     }

@@ -22,7 +22,7 @@ pub(super) struct Side {
 }
 
 /// Beyond, nothing is known of pixels anyway.
-const FARTHEST: f64 = 1e18;
+pub(super) const FARTHEST: f64 = 1e18;
 
 /// A number moved between two others; comparisons, as `max` and `min` take longer for the sake of NaN.
 #[inline(always)]

@@ -29,9 +29,12 @@
 
 mod exact;
 mod piece;
+mod quad;
 mod strip;
 
-use self::piece::Piece;
+use self::piece::{Piece, SHORT, extent};
+use self::quad::Quad;
+use self::strip::Strip;
 use crate::stroke::{Bar, Path, Stroke, pieces};
 use crate::target::CoverageTarget;
 use core::ops::Range;
@@ -52,9 +55,18 @@ use glam::DVec2;
 /// ```
 pub fn draw_line(target: &mut impl CoverageTarget, from: DVec2, to: DVec2, width: f64) {
     if let Some(bar) = Bar::new(from, to, width) {
-        let piece = Piece::bar(&bar, &target.window());
-        if !piece.is_empty() {
-            piece.cover_alone(target, piece.rows.clone());
+        let corners = bar.corners();
+        let [rows, columns] = extent(&corners, &target.window());
+        let quad = Quad::new(corners);
+        let exactly = |target: &mut _, rows: Range<i32>| {
+            for row in rows {
+                quad.cover(target, row, &columns);
+            }
+        };
+        if rows.len() < SHORT {
+            exactly(target, rows);
+        } else {
+            Strip::new(&bar, &rows).cover(target, rows, &columns, exactly);
         }
     }
 }

@@ -20,7 +20,7 @@ pub(super) struct Piece {
 }
 
 /// Rows from which on a bar is worth the set-up of its strip.
-const SHORT: usize = 16;
+pub(super) const SHORT: usize = 16;
 
 /// The most corners of a bar whose ends are cut along two bisectors.
 const BAR_SIDES: usize = 6;
@@ -99,15 +99,8 @@ impl Piece {
             }
         };
         match &self.strip {
-            Some(strip) if strip.is_narrow() => {
-                let free = &strip.free_rows;
-                let start = free.start.clamp(rows.start, rows.end);
-                let end = free.end.clamp(start, rows.end);
-                exactly(target, rows.start..start);
-                strip.cover_rows(target, start..end, &self.columns);
-                exactly(target, end..rows.end);
-            }
-            _ => exactly(target, rows),
+            Some(strip) => strip.cover(target, rows, &self.columns, exactly),
+            None => exactly(target, rows),
         }
     }
 
@@ -140,7 +133,7 @@ impl Piece {
 }
 
 /// Rows and columns of the window that a polygon touches.
-fn extent(corners: &[DVec2], window: &Window) -> [Range<i32>; 2] {
+pub(super) fn extent(corners: &[DVec2], window: &Window) -> [Range<i32>; 2] {
     let start = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let (low, high) = corners
         .iter()
