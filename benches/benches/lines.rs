@@ -2,9 +2,10 @@
 //!
 //! Random lines and circles of one size at a time in pictures of 256 x 256 and 1024 x 1024 pixels: the small one stays in
 //! the second-level cache, in the large one each row of a steep line waits for memory. Million pixels a second in CPU
-//! time of one thread, each the best of rounds in which all take turns: what else runs on the machine disturbs least then. A line has as many pixels as columns or rows, whichever are
-//! more; antialiased lines of width 1 are counted the same way, and mixed in linear light into three floats, by
-//! `vello_cpu` into 8-bit sRGB.
+//! time of one thread, each the best of rounds in which all take turns: what else runs on the machine disturbs least then.
+//! A line has as many pixels as columns or rows, whichever are more; antialiased lines of width 1 are counted the same
+//! way. `vello_cpu` blends them into four bytes of sRGB, Wu's lines are mixed into three floats, ours into a mask of
+//! bytes or floats, into four bytes or three floats of linear light.
 #![expect(
     clippy::cast_possible_truncation,
     reason = "sides, radii and counts of a benchmark are small"
@@ -15,6 +16,7 @@ use glam::{DVec2, IVec2};
 use hemicube::raster::circle::{antialiased as smooth, draw_circle, fill_circle};
 use hemicube::raster::ellipse::draw_ellipse;
 use hemicube::raster::line::{antialiased, draw_line};
+use hemicube::raster::target::Blend;
 use hemicube::raster::{Image, Rgb};
 use hemicube_tests::spheres::random;
 use image::{Rgb as Rgb3, Rgb32FImage, Rgba, RgbaImage};
@@ -29,7 +31,9 @@ const PIXELS: f64 = 4e5;
 type Ends = [IVec2; 2];
 
 fn main() {
-    println!("million pixels a second of one thread (ratio to ours)");
+    println!(
+        "million pixels a second of one thread (times that of the first crate that is not ours)"
+    );
     for (side, lengths, radii) in [
         (256, [10.0, 100.0, 200.0], [5, 50, 120]),
         (1024, [10.0, 100.0, 700.0], [5, 50, 400]),
@@ -62,9 +66,11 @@ fn report(what: &str, pixels: usize, mut ways: Vec<Way>) {
         .iter()
         .map(|seconds| pixels as f64 / seconds / 1e6)
         .collect();
+    let peer = ways.iter().position(|(name, _)| !name.starts_with("ours"));
+    let peer = peer.expect("there is one to compare with");
     print!("{what:28}");
     for ((name, _), speed) in ways.iter().zip(&speeds) {
-        print!("  {name} {speed:.0} ({:.2})", speeds[0] / speed);
+        print!("  {name} {speed:.0} ({:.2})", speed / speeds[peer]);
     }
     println!();
 }
@@ -309,6 +315,39 @@ impl Vello {
     }
 }
 
+/// Draws lines from middle to middle of pixels.
+fn strokes<'a, P: Blend + 'a>(
+    image: &'a mut Image<P>,
+    pixel: P,
+    ends: &'a [Ends],
+) -> Box<dyn FnMut() + 'a> {
+    Box::new(move || {
+        for ends in ends {
+            let [from, to] = ends.map(|p| p.as_dvec2() + 0.5);
+            antialiased::draw_line(&mut image.pen(pixel), from, to, 1.0);
+        }
+    })
+}
+
+/// Draws circles of a radius around points.
+fn rings<'a, P: Blend + 'a>(
+    image: &'a mut Image<P>,
+    pixel: P,
+    centers: &'a [IVec2],
+    radius: i32,
+) -> Box<dyn FnMut() + 'a> {
+    Box::new(move || {
+        for center in centers {
+            smooth::draw_circle(
+                &mut image.pen(pixel),
+                center.as_dvec2(),
+                f64::from(radius),
+                1.0,
+            );
+        }
+    })
+}
+
 fn antialiased_lines(side: usize, length: f64) {
     let ends = ends(side, length);
     let half = |p: IVec2| p.as_dvec2() + 0.5;
@@ -320,6 +359,9 @@ fn antialiased_lines(side: usize, length: f64) {
         assert!((sum - length).abs() < 1e-3, "{sum} for a line of {length}");
     }
     let mut image = Image::filled(side, side, Rgb::BLACK);
+    let mut mask = Image::filled(side, side, 0_u8);
+    let mut shares = Image::filled(side, side, 0_f32);
+    let mut bytes = Image::filled(side, side, [0_u8; 4]);
     let mut theirs = Rgb32FImage::new(side as u32, side as u32);
     let mut third = image.clone();
     let mut vello = Vello::new(side);
@@ -336,15 +378,10 @@ fn antialiased_lines(side: usize, length: f64) {
         &format!("antialiased, {length} pixels"),
         ends.iter().map(pixels_of).sum(),
         vec![
-            (
-                "ours",
-                Box::new(|| {
-                    for [from, to] in &ends {
-                        let pen = &mut image.pen(Rgb::WHITE);
-                        antialiased::draw_line(pen, half(*from), half(*to), 1.0);
-                    }
-                }),
-            ),
+            ("ours, u8", strokes(&mut mask, u8::MAX, &ends)),
+            ("ours, f32", strokes(&mut shares, 1.0, &ends)),
+            ("ours, [u8; 4]", strokes(&mut bytes, [255; 4], &ends)),
+            ("ours, Rgb", strokes(&mut image, Rgb::WHITE, &ends)),
             ("vello_cpu", Box::new(|| vello.stroke(&paths))),
             (
                 "imageproc (Wu)",
@@ -394,6 +431,9 @@ fn antialiased_circles(side: usize, radius: i32) {
         "{sum} for a ring of {exact}"
     );
     let mut image = Image::filled(side, side, Rgb::BLACK);
+    let mut mask = Image::filled(side, side, 0_u8);
+    let mut shares = Image::filled(side, side, 0_f32);
+    let mut bytes = Image::filled(side, side, [0_u8; 4]);
     let mut vello = Vello::new(side);
     let paths: Vec<BezPath> = centers
         .iter()
@@ -410,15 +450,13 @@ fn antialiased_circles(side: usize, radius: i32) {
         &format!("antialiased, radius {radius}"),
         pixels,
         vec![
+            ("ours, u8", rings(&mut mask, u8::MAX, &centers, radius)),
+            ("ours, f32", rings(&mut shares, 1.0, &centers, radius)),
             (
-                "ours",
-                Box::new(|| {
-                    for center in &centers {
-                        let pen = &mut image.pen(Rgb::WHITE);
-                        smooth::draw_circle(pen, center.as_dvec2(), f64::from(radius), 1.0);
-                    }
-                }),
+                "ours, [u8; 4]",
+                rings(&mut bytes, [255; 4], &centers, radius),
             ),
+            ("ours, Rgb", rings(&mut image, Rgb::WHITE, &centers, radius)),
             ("vello_cpu", Box::new(|| vello.stroke(&paths))),
         ],
     );

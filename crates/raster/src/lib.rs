@@ -32,6 +32,7 @@ pub mod image;
 pub mod line;
 pub mod polygon;
 pub mod reflection;
+mod signed_area;
 pub mod stroke;
 pub mod target;
 pub mod texture;

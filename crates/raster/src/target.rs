@@ -150,7 +150,8 @@ impl<F: FnMut(i32, i32, &[f32])> CoverageTarget for (Window, F) {
     }
 }
 
-/// Pixels that can be mixed. Coverage is a share of light, so the numbers must be linear light.
+/// Pixels that can be mixed. Coverage is a share of light, so the numbers must be linear light; bytes are masks or other
+/// shares of 256 levels, rounded to the nearest.
 pub trait Blend: Copy {
     /// `self + share (over - self)`.
     #[must_use]
@@ -172,6 +173,28 @@ impl Blend for Rgb {
             self.g.blend(over.g, share),
             self.b.blend(over.b, share),
         )
+    }
+}
+
+impl Blend for u8 {
+    #[inline(always)]
+    fn blend(self, over: Self, share: f32) -> Self {
+        let (from, to) = (f32::from(self), f32::from(over));
+        rounded_byte(from + share * (to - from))
+    }
+}
+
+/// The whole number next to one in [0, 255]. From 2^23 on floats have no fraction, so that their last byte is the number;
+/// vectors have no instruction for a cast that saturates.
+#[inline(always)]
+pub(crate) fn rounded_byte(number: f32) -> u8 {
+    (number + 8_388_608.0).to_bits().to_le_bytes()[0]
+}
+
+impl<const N: usize> Blend for [u8; N] {
+    #[inline(always)]
+    fn blend(self, over: Self, share: f32) -> Self {
+        std::array::from_fn(|k| self[k].blend(over[k], share))
     }
 }
 

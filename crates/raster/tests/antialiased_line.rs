@@ -13,14 +13,32 @@ const ROUNDING: f64 = 2e-6;
 
 fn coverage(width: usize, height: usize, path: &Path, stroke: &Stroke) -> Image<f32> {
     let mut image = Image::filled(width, height, 0.0_f32);
-    let mut target = (Window::of(&image), |y: i32, left: i32, shares: &[f32]| {
+    let mut target = (Window::of(&image), adding(&mut image));
+    draw_stroke(&mut target, path, stroke);
+    drop(target);
+    image
+}
+
+/// The same of a line, which has a way of its own.
+fn line_coverage(
+    (width, height): (usize, usize),
+    [from, to]: [DVec2; 2],
+    line_width: f64,
+) -> Image<f32> {
+    let mut image = Image::filled(width, height, 0.0_f32);
+    let mut target = (Window::of(&image), adding(&mut image));
+    draw_line(&mut target, from, to, line_width);
+    drop(target);
+    image
+}
+
+fn adding(image: &mut Image<f32>) -> impl FnMut(i32, i32, &[f32]) + '_ {
+    |y, left, shares| {
         for (x, &share) in (left..).zip(shares) {
             assert!((0.0..=1.0).contains(&share), "a share of {share}");
             *image.pixel_mut(x as usize, y as usize) += share;
         }
-    });
-    draw_stroke(&mut target, path, stroke);
-    image
+    }
 }
 
 fn sum(image: &Image<f32>) -> f64 {
@@ -77,20 +95,26 @@ proptest! {
     fn every_pixel_is_covered_by_the_exact_area(from in point(-10.0..40.0), to in point(-10.0..40.0), width in prop_oneof![0.05..3.0_f64, 0.05..60.0_f64]) {
         prop_assume!(from != to);
         let image = coverage(30, 25, &Path::open([from, to]), &Stroke::new(width));
+        let line = line_coverage((30, 25), [from, to], width);
         let corners = rectangle(from, to, width);
         for (k, &found) in image.pixels().iter().enumerate() {
             let expected = area_in_pixel(&corners, k % 30, k / 30);
-            prop_assert!((f64::from(found) - expected).abs() < ROUNDING, "pixel ({}, {}): {} for {}", k % 30, k / 30, found, expected);
+            for found in [found, line.pixels()[k]] {
+                prop_assert!((f64::from(found) - expected).abs() < ROUNDING, "pixel ({}, {}): {} for {}", k % 30, k / 30, found, expected);
+            }
         }
     }
 
     #[test]
     fn a_line_from_far_away_is_exact(from in point(-3e5..3e5), to in point(-10.0..40.0), width in 0.3..3.0_f64) {
         let image = coverage(30, 25, &Path::open([from, to]), &Stroke::new(width));
+        let line = line_coverage((30, 25), [from, to], width);
         let corners = rectangle(from, to, width);
         for (k, &found) in image.pixels().iter().enumerate() {
             let expected = area_in_pixel(&corners, k % 30, k / 30);
-            prop_assert!((f64::from(found) - expected).abs() < ROUNDING, "{} for {}", found, expected);
+            for found in [found, line.pixels()[k]] {
+                prop_assert!((f64::from(found) - expected).abs() < ROUNDING, "{} for {}", found, expected);
+            }
         }
     }
 
@@ -141,6 +165,9 @@ proptest! {
         is_dashed in any::<bool>(),
     ) {
         let points: Vec<DVec2> = points.into_iter().map(|(x, y)| if kind == 0 { DVec2::new(x, y) } else { DVec2::new(y, x) }).collect();
+        if let &[from, to, ..] = points.as_slice() {
+            line_coverage((30, 20), [from, to], width);
+        }
         let path = if is_closed { Path::closed(points) } else { Path::open(points) };
         let mut stroke = Stroke::new(width)
             .with_join([Join::Miter, Join::Round, Join::Bevel][kind])
@@ -159,12 +186,14 @@ fn the_sum_is_length_times_width_at_every_angle() {
             let direction = DVec2::from_angle(f64::from(k) * std::f64::consts::PI / 360.0);
             let centre = DVec2::new(50.3, 49.8);
             let ends = [centre - direction * 40.0, centre + direction * 40.0];
-            let total = sum(&coverage(100, 100, &Path::open(ends), &Stroke::new(width)));
-            let error = total / (80.0 * width) - 1.0;
-            assert!(
-                error.abs() < 2e-6,
-                "width {width}, {k} half degrees: {error:e}"
-            );
+            let stroke = coverage(100, 100, &Path::open(ends), &Stroke::new(width));
+            for image in [stroke, line_coverage((100, 100), ends, width)] {
+                let error = sum(&image) / (80.0 * width) - 1.0;
+                assert!(
+                    error.abs() < 2e-6,
+                    "width {width}, {k} half degrees: {error:e}"
+                );
+            }
         }
     }
 }
@@ -183,6 +212,24 @@ fn intensity_does_not_vary_along_a_line() {
                 "slope {slope}, column {x}: {column} for {expected}"
             );
         }
+    }
+}
+
+#[test]
+fn bytes_are_floats_rounded_to_the_nearest() {
+    let ends = [DVec2::new(2.3, 4.1), DVec2::new(37.9, 22.6)];
+    let exact = line_coverage((40, 30), ends, 1.7);
+    let mut mask = Image::filled(40, 30, 0_u8);
+    draw_line(&mut mask.pen(255), ends[0], ends[1], 1.7);
+    let mut pixels = Image::filled(40, 30, [0_u8, 100]);
+    draw_line(&mut pixels.pen([255, 50]), ends[0], ends[1], 1.7);
+    for (k, &share) in exact.pixels().iter().enumerate() {
+        let (byte, [first, second]) = (mask.pixels()[k], pixels.pixels()[k]);
+        assert_eq!(byte, first, "pixel {k}");
+        let off = (f32::from(byte) - 255.0 * share).abs();
+        assert!(off < 0.5001, "pixel {k}: {byte} of {share}");
+        let off = (f32::from(second) - (100.0 - 50.0 * share)).abs();
+        assert!(off < 0.5001, "pixel {k}: {second} of {share}");
     }
 }
 

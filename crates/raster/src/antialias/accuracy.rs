@@ -201,7 +201,7 @@ pub fn zone_plate(size: f64) -> impl Fn(f64, f64) -> f32 + Sync {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ZonePlateError {
     /// RMS contrast of what should be flat grey, where rings have more than half a cycle per pixel in x or in y; 0.354 if
-    /// all of it is left.
+    /// all of it is left. It is moiré where samples lie on a grid; jitter turns it into noise, which counts the same here.
     pub moire: f64,
     /// Share of the RMS contrast that is kept where rings have at most a quarter of a cycle per pixel; 1 is best.
     pub kept: f64,

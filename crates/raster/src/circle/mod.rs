@@ -63,13 +63,21 @@ pub struct Octant {
 impl Octant {
     /// All of the octant. A negative radius has no pixels.
     pub fn new(radius: i32) -> Self {
-        Self::from_column(radius, 0)
+        let radius = i64::from(radius);
+        // At the top the height is the radius: no root is needed.
+        Self::at(radius, [0, radius.max(-1)])
     }
 
     /// From a column on, which is not negative.
     fn from_column(radius: i32, x: i64) -> Self {
         let radius = i64::from(radius);
         let y = if radius < 0 { -1 } else { height(radius, x) };
+        Self::at(radius, [x, y])
+    }
+
+    /// From a pixel on.
+    #[inline(always)]
+    fn at(radius: i64, [x, y]: [i64; 2]) -> Self {
         Self {
             x,
             y,

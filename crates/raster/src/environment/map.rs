@@ -123,7 +123,7 @@ impl EnvironmentMap {
 
     /// A map of a function of the direction, the mean of `samples × samples` values in each texel; rows in parallel.
     ///
-    /// `rows` is clamped to 1 to 16,384, `samples` to 1 to 64.
+    /// `rows` of a face are clamped to 1 to 8192, `samples` to 1 to 64.
     pub fn from_fn(
         projection: Projection,
         rows: usize,

@@ -7,8 +7,8 @@ use glam::Vec3;
 /// An environment map and its halves, down to a single texel a face; each texel is the mean of those below it, by solid
 /// angle, so all levels have the same flux where sides are even.
 ///
-/// Lookups are trilinear. Levels of a cube stay seamless, since [`EnvironmentMap::radiance`] filters across edges; of
-/// other projections the octahedral one does too.
+/// Lookups are trilinear. Levels of a cube stay seamless, since [`EnvironmentMap::radiance`] filters across edges; those
+/// of the octahedral projection do too, and longitudes wrap around at every level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnvironmentPyramid {
     levels: Vec<EnvironmentMap>,

@@ -1,6 +1,7 @@
 //! Coverage into pictures.
 
 use super::{FillRule, Outline, Rasterizer, Spans};
+use crate::target::rounded_byte;
 use crate::{Image, Rgb};
 
 /// What can be blended; colours in linear light.
@@ -8,6 +9,14 @@ pub trait Pixel: Copy {
     /// `self + share (value - self)`.
     #[must_use]
     fn blend(self, value: Self, share: f32) -> Self;
+
+    /// Blends eight pixels at once; as [`blend`](Self::blend) one by one.
+    #[inline(always)]
+    fn blend_eight(pixels: &mut [Self; 8], value: Self, shares: &[f32; 8]) {
+        for (pixel, &share) in pixels.iter_mut().zip(shares) {
+            *pixel = pixel.blend(value, share);
+        }
+    }
 }
 
 impl Pixel for Rgb {
@@ -26,15 +35,10 @@ impl Pixel for f32 {
 
 /// A mask of 256 levels, rounded to the nearest.
 impl Pixel for u8 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between two bytes"
-    )]
-    #[inline]
+    #[inline(always)]
     fn blend(self, value: Self, share: f32) -> Self {
         let (from, to) = (f32::from(self), f32::from(value));
-        (from + (to - from) * share + 0.5) as u8
+        rounded_byte(from + (to - from) * share)
     }
 }
 
@@ -74,6 +78,15 @@ impl<P: Pixel> Spans for Blend<'_, P> {
         let pixels = &mut self.pixels[(y - self.first_row) * self.width + x..][..coverage.len()];
         for (pixel, &coverage) in pixels.iter_mut().zip(coverage) {
             *pixel = pixel.blend(self.value, coverage * self.opacity);
+        }
+    }
+
+    #[inline(always)]
+    fn block(&mut self, y: usize, x: usize, coverage: &[f32; 8]) {
+        let pixels = &mut self.pixels[(y - self.first_row) * self.width + x..];
+        if let Some(pixels) = pixels.first_chunk_mut() {
+            let shares = coverage.map(|coverage| coverage * self.opacity);
+            P::blend_eight(pixels, self.value, &shares);
         }
     }
 

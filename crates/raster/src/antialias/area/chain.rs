@@ -16,6 +16,11 @@ pub(super) struct Segment {
 }
 
 impl Segment {
+    /// Change of x from a row to the next one.
+    pub fn slope(&self) -> f64 {
+        self.slope
+    }
+
     /// x at a y between top and bottom.
     #[inline]
     pub fn x_at(&self, y: f64) -> f64 {

@@ -1,10 +1,11 @@
 //! Rows of a picture, from chains to spans of coverage.
 
-use super::accumulate::{Differences, Piece};
-use super::chain::{Chain, Chains, Cut};
+use super::accumulate::{self, Piece, settled_pixel};
+use super::chain::{Chain, Chains, Cut, Segment};
 use super::winding::{Edge, Resolver, step};
 use super::{Blend, FillRule, Outline, Pixel};
 use crate::Image;
+use crate::signed_area::SignedArea;
 use core::ops::Range;
 
 /// What becomes of coverage: rows come from top to bottom, and spans of a row from left to right. Pixels that are not
@@ -12,6 +13,12 @@ use core::ops::Range;
 pub trait Spans {
     /// Coverage in (0, 1] of each pixel of row `y` from column `x` on; single values may be 0.
     fn cells(&mut self, y: usize, x: usize, coverage: &[f32]);
+
+    /// Coverage of eight pixels: as [`cells`](Self::cells) unless a receiver is faster at it.
+    #[inline(always)]
+    fn block(&mut self, y: usize, x: usize, coverage: &[f32; 8]) {
+        self.cells(y, x, coverage);
+    }
 
     /// One coverage in (0, 1] of all pixels of row `y` from column `start` to before `end`; mostly 1, the inside.
     fn run(&mut self, y: usize, start: usize, end: usize, coverage: f32);
@@ -25,8 +32,37 @@ pub struct Rasterizer {
     chains: Chains,
     active: Vec<Active>,
     row: Row,
-    differences: Differences,
+    areas: Vec<SignedArea>,
+    sides: Vec<Side>,
     resolver: Resolver,
+}
+
+/// A segment through some rows as a whole, with the change of coverage from its left to its right.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    segment: Segment,
+    /// x at the top of the current row.
+    x: f64,
+    sign: i32,
+    change: f32,
+    /// See [`SignedArea::per_2w`].
+    per_2w: f32,
+}
+
+impl Side {
+    /// What it covers of the next row.
+    #[inline(always)]
+    fn next(&mut self, bottom: f64) -> SignedArea {
+        let (a, b) = (self.x, self.segment.x_at(bottom));
+        self.x = b;
+        let (left, right) = if a < b { (a, b) } else { (b, a) };
+        SignedArea {
+            left,
+            right,
+            per_2w: self.per_2w,
+            height: self.change,
+        }
+    }
 }
 
 /// A chain with the segment in which the current row begins.
@@ -77,7 +113,8 @@ impl Rasterizer {
             chains: Chains::default(),
             active: Vec::new(),
             row: Row::default(),
-            differences: Differences::new(width),
+            areas: Vec::new(),
+            sides: Vec::new(),
             resolver: Resolver::default(),
         }
     }
@@ -113,6 +150,16 @@ impl Rasterizer {
             while let Some(chain) = waiting.next_if(|chain| chain.top < bottom) {
                 self.active.push(Active::new(chain));
             }
+            let next = waiting
+                .peek()
+                .map_or(self.rows.end, |chain| row_of(chain.top));
+            let end = self.straight_rows(chains, y, next);
+            if y < end && self.take_sides(chains, y, end, (rule, cut.convex)) {
+                self.straight(y..end, spans);
+                self.leave(chains, end);
+                y = end;
+                continue;
+            }
             match cut.convex {
                 Some(winding) => self.convex_row(chains, y, winding, spans),
                 None => self.row(chains, y, rule, spans),
@@ -138,29 +185,128 @@ impl Rasterizer {
         self.rasterize(outline, rule, &mut blend);
     }
 
-    /// A row of a convex contour: all edges count, and the winding number inside is known.
-    fn convex_row(&mut self, chains: &Chains, y: usize, winding: i32, spans: &mut impl Spans) {
-        let differences = &mut self.differences;
+    /// The first row from `y` on in which a segment begins or ends, or a chain of which the first row is `next`.
+    #[inline]
+    fn straight_rows(&self, chains: &Chains, y: usize, next: usize) -> usize {
+        let mut end = next.min(self.rows.end);
+        for chain in &self.active {
+            let segment = &chains.segments[chain.segment];
+            if segment.top > y as f64 {
+                return y;
+            }
+            end = end.min(row_of(segment.bottom));
+        }
+        end
+    }
+
+    /// Notes the segments through some rows, in which none begins or ends, from left to right; false if some may cross.
+    #[inline]
+    fn take_sides(
+        &mut self,
+        chains: &Chains,
+        y: usize,
+        end: usize,
+        (rule, convex): (FillRule, Option<i32>),
+    ) -> bool {
+        self.sides.clear();
+        self.sides.extend(self.active.iter().map(|chain| {
+            let segment = chains.segments[chain.segment];
+            Side {
+                segment,
+                x: segment.x_at(y as f64),
+                sign: chain.sign,
+                change: 0.0,
+                per_2w: SignedArea::per_twice(segment.slope().abs()),
+            }
+        }));
+        let bottom = end as f64;
+        let before = |a: &Side, b: &Side| {
+            let below = |side: &Side| side.segment.x_at(bottom);
+            a.x < b.x || (a.x == b.x && below(a) <= below(b))
+        };
+        if !self.sides.is_sorted_by(before) {
+            self.sides.sort_by(|a, b| {
+                let below = |side: &Side| side.segment.x_at(bottom);
+                let by_top = a.x.total_cmp(&b.x);
+                by_top.then_with(|| below(a).total_cmp(&below(b)))
+            });
+        }
+        if !self
+            .sides
+            .is_sorted_by_key(|side| side.segment.x_at(bottom))
+        {
+            return false;
+        }
+        match convex {
+            Some(winding) => {
+                for side in &mut self.sides {
+                    side.change = whole(side.sign * winding);
+                }
+            }
+            None => {
+                let mut winding = 0;
+                for side in &mut self.sides {
+                    side.change = step(rule, &mut winding, side.sign);
+                }
+                self.sides.retain(|side| side.change != 0.0);
+            }
+        }
+        true
+    }
+
+    /// Rows through which the noted segments run.
+    fn straight(&mut self, rows: Range<usize>, spans: &mut impl Spans) {
+        for y in rows {
+            let bottom = (y + 1) as f64;
+            self.areas.clear();
+            let sides = self.sides.iter_mut();
+            self.areas.extend(sides.map(|side| side.next(bottom)));
+            accumulate::emit(&self.areas, [y, self.width], settled_pixel, spans);
+        }
+    }
+
+    /// Goes on with the next segments where one ends at the top of a row.
+    #[inline]
+    fn leave(&mut self, chains: &Chains, row: usize) {
         self.active.retain_mut(|chain| {
-            let sign = f64::from(chain.sign * winding);
-            let strand = walk(chains, chain, y, |piece| differences.add(piece, sign));
-            differences.touch(strand.left, strand.right);
+            if chains.segments[chain.segment].bottom <= row as f64 {
+                chain.segment += 1;
+            }
             chain.segment < chain.end
         });
-        differences.emit(y, |sum| sum.clamp(0.0, 1.0), spans);
+    }
+
+    /// A row of a convex contour: all edges count, and the winding number inside is known.
+    fn convex_row(&mut self, chains: &Chains, y: usize, winding: i32, spans: &mut impl Spans) {
+        let areas = &mut self.areas;
+        areas.clear();
+        self.active.retain_mut(|chain| {
+            let sign = whole(chain.sign * winding);
+            walk(chains, chain, y, |piece| {
+                areas.push(signed_area(piece, sign))
+            });
+            chain.segment < chain.end
+        });
+        self.emit(y, settled_pixel, spans);
     }
 
     /// A row of any outline.
     fn row(&mut self, chains: &Chains, y: usize, rule: FillRule, spans: &mut impl Spans) {
         self.row.collect(chains, &mut self.active, y);
         self.row.sort();
+        self.areas.clear();
         if self.row.is_ordered() {
             self.add_ordered(rule);
         } else if !self.resolve(rule) {
             self.add_unordered();
-            return self.differences.emit(y, |mean| rule.fold(mean), spans);
+            return self.emit(y, |mean| settled_pixel(rule.fold(mean)), spans);
         }
-        self.differences.emit(y, |sum| sum.clamp(0.0, 1.0), spans);
+        self.emit(y, settled_pixel, spans);
+    }
+
+    fn emit(&mut self, y: usize, fold: impl Fn(f32) -> f32, spans: &mut impl Spans) {
+        accumulate::sort(&mut self.areas);
+        accumulate::emit(&self.areas, [y, self.width], fold, spans);
     }
 
     /// Strands side by side: the winding number is counted from left to right.
@@ -169,36 +315,42 @@ impl Rasterizer {
         for strand in &self.row.strands {
             let change = step(rule, &mut winding, strand.sign);
             if change != 0.0 {
-                for edge in &self.row.edges[strand.first..strand.end] {
-                    self.differences.add(&edge.piece, change);
-                }
-                self.differences
-                    .touch(strand.walked.left, strand.walked.right);
+                let edges = &self.row.edges[strand.first..strand.end];
+                let areas = edges.iter().map(|edge| signed_area(&edge.piece, change));
+                self.areas.extend(areas);
             }
         }
     }
 
     /// Strands that begin, end or cross; false if there is too much of that.
     fn resolve(&mut self, rule: FillRule) -> bool {
-        let differences = &mut self.differences;
+        let areas = &mut self.areas;
         self.resolver
             .resolve(&self.row.edges, rule, &mut |piece, change| {
-                differences.add(piece, change);
-                let (a, b) = (piece.x_top, piece.x_bottom);
-                differences.touch(a.min(b), a.max(b));
+                areas.push(signed_area(piece, change));
             })
     }
 
     /// All strands with their signs: the running sum is the mean winding number.
     fn add_unordered(&mut self) {
-        for strand in &self.row.strands {
-            for edge in &self.row.edges[strand.first..strand.end] {
-                self.differences.add(&edge.piece, f64::from(edge.sign));
-            }
-            self.differences
-                .touch(strand.walked.left, strand.walked.right);
-        }
+        let edges = self.row.edges.iter();
+        self.areas
+            .extend(edges.map(|edge| signed_area(&edge.piece, whole(edge.sign))));
     }
+}
+
+/// What a piece of an edge covers where the area begins or ends.
+#[inline(always)]
+fn signed_area(piece: &Piece, change: f32) -> SignedArea {
+    #[expect(clippy::cast_possible_truncation, reason = "at most 1")]
+    let height = (piece.bottom - piece.top) as f32;
+    SignedArea::new([piece.x_top, piece.x_bottom], height * change)
+}
+
+/// A small whole number.
+#[inline(always)]
+fn whole(number: i32) -> f32 {
+    number as f32
 }
 
 impl Active {

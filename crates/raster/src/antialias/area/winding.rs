@@ -31,7 +31,7 @@ impl Resolver {
         &mut self,
         edges: &[Edge],
         rule: FillRule,
-        emit: &mut impl FnMut(&Piece, f64),
+        emit: &mut impl FnMut(&Piece, f32),
     ) -> bool {
         self.cuts.clear();
         let ends = |edge: &Edge| [edge.piece.top, edge.piece.bottom];
@@ -119,7 +119,7 @@ fn cut_out(edges: &[Edge], top: f64, bottom: f64, slab: &mut Vec<Edge>) {
 }
 
 /// Hands out those edges of a slab that have the inside on one side only.
-fn emit_boundary(slab: &[Edge], rule: FillRule, emit: &mut impl FnMut(&Piece, f64)) {
+fn emit_boundary(slab: &[Edge], rule: FillRule, emit: &mut impl FnMut(&Piece, f32)) {
     let mut winding = 0;
     for edge in slab {
         let change = step(rule, &mut winding, edge.sign);
@@ -131,8 +131,8 @@ fn emit_boundary(slab: &[Edge], rule: FillRule, emit: &mut impl FnMut(&Piece, f6
 
 /// Crosses an edge from left to right: 1 into the inside, -1 out of it, 0 if both sides are alike.
 #[inline]
-pub(super) fn step(rule: FillRule, winding: &mut i32, sign: i32) -> f64 {
+pub(super) fn step(rule: FillRule, winding: &mut i32, sign: i32) -> f32 {
     let before = rule.is_inside(*winding);
     *winding += sign;
-    f64::from(i32::from(rule.is_inside(*winding)) - i32::from(before))
+    f32::from(i8::from(rule.is_inside(*winding)) - i8::from(before))
 }

@@ -29,9 +29,12 @@
 
 mod exact;
 mod piece;
+mod quad;
 mod strip;
 
-use self::piece::Piece;
+use self::piece::{Piece, SHORT, extent};
+use self::quad::Quad;
+use self::strip::Strip;
 use crate::stroke::{Bar, Path, Stroke, pieces};
 use crate::target::CoverageTarget;
 use core::ops::Range;
@@ -52,10 +55,18 @@ use glam::DVec2;
 /// ```
 pub fn draw_line(target: &mut impl CoverageTarget, from: DVec2, to: DVec2, width: f64) {
     if let Some(bar) = Bar::new(from, to, width) {
-        let piece = Piece::bar(&bar, &target.window());
-        if !piece.is_empty() {
-            let mut sums = Sums::new(std::slice::from_ref(&piece));
-            draw_alone(target, &piece, piece.rows.clone(), &mut sums);
+        let corners = bar.corners();
+        let [rows, columns] = extent(&corners, &target.window());
+        let quad = Quad::new(corners);
+        let exactly = |target: &mut _, rows: Range<i32>| {
+            for row in rows {
+                quad.cover(target, row, &columns);
+            }
+        };
+        if rows.len() < SHORT {
+            exactly(target, rows);
+        } else {
+            Strip::new(&bar, &rows).cover(target, rows, &columns, exactly);
         }
     }
 }
@@ -87,7 +98,11 @@ fn draw_pieces(target: &mut impl CoverageTarget, pieces: &[Piece]) {
         }
         let end = waiting.peek().map_or(i32::MAX, |piece| piece.rows.start);
         row = match active.as_slice() {
-            [piece] => draw_alone(target, piece, row..end, &mut sums),
+            [piece] if piece.is_bar() => {
+                let rows = row..end.min(piece.rows.end);
+                piece.cover_alone(target, rows.clone());
+                rows.end
+            }
             _ => {
                 draw_row(target, &active, row, &mut sums);
                 row + 1
@@ -102,33 +117,6 @@ fn draw_row(target: &mut impl CoverageTarget, pieces: &[&Piece], row: i32, sums:
         piece.cover_row(row, sums);
     }
     sums.hand_over(target, row);
-}
-
-/// Draws rows of a piece that has them for itself, and says which one is next.
-fn draw_alone(
-    target: &mut impl CoverageTarget,
-    piece: &Piece,
-    rows: Range<i32>,
-    sums: &mut Sums,
-) -> i32 {
-    let rows = rows.start..rows.end.min(piece.rows.end);
-    if let Some(strip) = &piece.strip
-        && strip.is_narrow()
-    {
-        for row in rows.start..strip.free_rows.start.clamp(rows.start, rows.end) {
-            draw_row(target, &[piece], row, sums);
-        }
-        let free = strip.free_rows.start.max(rows.start)..strip.free_rows.end.min(rows.end);
-        strip.cover_rows(target, free, &piece.columns);
-        for row in strip.free_rows.end.clamp(rows.start, rows.end)..rows.end {
-            draw_row(target, &[piece], row, sums);
-        }
-    } else {
-        for row in rows.clone() {
-            draw_row(target, &[piece], row, sums);
-        }
-    }
-    rows.end
 }
 
 /// The coverages of a row while its pieces are summed up.

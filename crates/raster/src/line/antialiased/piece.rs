@@ -4,20 +4,23 @@ use super::exact::{self, Side};
 use super::strip::Strip;
 use super::{Sums, clamped};
 use crate::stroke::{self, Bar};
-use crate::target::Window;
+use crate::target::{CoverageTarget, Window};
 use core::ops::Range;
 use glam::DVec2;
 
 /// A convex polygon, clockwise on the screen.
 pub(super) struct Piece {
     sides: Sides,
-    /// What it is in its middle, if it is a bar.
-    pub strip: Option<Strip>,
+    /// What it is in its middle, if it is a bar of many rows.
+    strip: Option<Strip>,
     /// Rows of the window that it may touch.
     pub rows: Range<i32>,
     /// Columns of the window that it may touch.
     pub columns: Range<i32>,
 }
+
+/// Rows from which on a bar is worth the set-up of its strip.
+pub(super) const SHORT: usize = 16;
 
 /// The most corners of a bar whose ends are cut along two bisectors.
 const BAR_SIDES: usize = 6;
@@ -72,14 +75,33 @@ impl Piece {
         }
         Self {
             sides: Sides::Bar(sides, count),
-            strip: Some(Strip::new(bar, &rows)),
+            strip: (rows.len() >= SHORT).then(|| Strip::new(bar, &rows)),
             rows,
             columns,
         }
     }
 
+    /// Whether it is a bar, not a join or a cap.
+    pub fn is_bar(&self) -> bool {
+        matches!(self.sides, Sides::Bar(..))
+    }
+
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty() || self.columns.is_empty()
+    }
+
+    /// Covers the pixels of rows that a bar has for itself.
+    #[inline]
+    pub fn cover_alone(&self, target: &mut impl CoverageTarget, rows: Range<i32>) {
+        let exactly = |target: &mut _, rows: Range<i32>| {
+            for row in rows {
+                exact::cover::<BAR_SIDES>(target, self.sides.as_slice(), row, &self.columns);
+            }
+        };
+        match &self.strip {
+            Some(strip) => strip.cover(target, rows, &self.columns, exactly),
+            None => exactly(target, rows),
+        }
     }
 
     /// Adds its coverage of a row's pixels.
@@ -111,7 +133,7 @@ impl Piece {
 }
 
 /// Rows and columns of the window that a polygon touches.
-fn extent(corners: &[DVec2], window: &Window) -> [Range<i32>; 2] {
+pub(super) fn extent(corners: &[DVec2], window: &Window) -> [Range<i32>; 2] {
     let start = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let (low, high) = corners
         .iter()

@@ -200,19 +200,33 @@ impl Strip {
         within(interval, touched)
     }
 
+    /// Covers the pixels of rows, those that see an end by `exactly`, and all of a strip that is not narrow.
+    #[inline(always)]
+    pub fn cover<T: CoverageTarget>(
+        &self,
+        target: &mut T,
+        rows: Range<i32>,
+        columns: &Range<i32>,
+        exactly: impl Fn(&mut T, Range<i32>),
+    ) {
+        if !self.is_narrow() {
+            return exactly(target, rows);
+        }
+        let start = self.free_rows.start.clamp(rows.start, rows.end);
+        let end = self.free_rows.end.clamp(start, rows.end);
+        exactly(target, rows.start..start);
+        self.cover_rows(target, start..end, columns);
+        exactly(target, end..rows.end);
+    }
+
     /// Whether a row has so few of its pixels that they are found all at once.
-    pub fn is_narrow(&self) -> bool {
+    fn is_narrow(&self) -> bool {
         2.0 * self.reach < MANY as f64 && !self.free_rows.is_empty()
     }
 
     /// Covers pixels of rows that see no end, all of a narrow strip's row at once.
     #[inline(always)]
-    pub fn cover_rows(
-        &self,
-        target: &mut impl CoverageTarget,
-        rows: Range<i32>,
-        columns: &Range<i32>,
-    ) {
+    fn cover_rows(&self, target: &mut impl CoverageTarget, rows: Range<i32>, columns: &Range<i32>) {
         // An interval of a length below N has at most N whole numbers.
         match 2.0 * self.reach {
             length if length < 3.0 => self.cover_few::<3, 4>(target, rows, columns),
