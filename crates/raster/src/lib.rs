@@ -12,6 +12,7 @@
 //! | [`bump`], [`reflection`] | normals tilted by heights and normal maps, distant bumps as roughness; Phong's models |
 //! | [`environment`] | light from all directions in eight projections, conversion between any two, levels by roughness, spherical harmonics |
 //! | [`colormap`] | numbers as colours: perceptually even tables, isolines, element edges |
+//! | [`noise`], [`random`] | gradient noise, hashes, even points |
 //! | [`image`], [`tonemap`], [`color`] | pictures in memory and in files (read: PNG, JPEG, WebP, Radiance, OpenEXR), light into the range of a display |
 //!
 //! # Current state
@@ -29,9 +30,13 @@ pub mod colormap;
 pub mod ellipse;
 pub mod environment;
 pub mod image;
+pub mod io_error;
 pub mod line;
+pub mod noise;
 pub mod polygon;
+pub mod random;
 pub mod reflection;
+mod sinc;
 pub mod stroke;
 pub mod target;
 pub mod texture;
