@@ -13,7 +13,7 @@
 //! | [`environment`] | light from all directions in eight projections, conversion between any two, levels by roughness, spherical harmonics |
 //! | [`colormap`] | numbers as colours: perceptually even tables, isolines, element edges |
 //! | [`noise`], [`random`] | gradient noise, hashes, even points |
-//! | [`image`], [`tonemap`], [`color`] | pictures in memory and in files (read: PNG, JPEG, WebP, Radiance, OpenEXR), light into the range of a display |
+//! | [`image`], [`io_error`], [`tonemap`], [`color`] | pictures in memory and in files (read: PNG, JPEG, WebP, Radiance, OpenEXR), what the system says about files in words, light into the range of a display |
 //!
 //! # Current state
 //! Nothing here panics on the coordinates it is given: what is not finite is not drawn, and where a mapping or a bump is

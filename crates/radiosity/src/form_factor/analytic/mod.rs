@@ -10,7 +10,7 @@
 //! of neighbours that share their shaft's occluders.
 //!
 //! What no element receives is lost: to the sky, or to sides of faces that only absorb. Where both take of it, the sides
-//! are faced like elements and the sky gets the rest ([`backs`]).
+//! are faced like elements and the sky gets the rest.
 //!
 //! Two faces in one plane that overlap and look the same way, such as a rug drawn on its floor, both count as seen.
 //!
