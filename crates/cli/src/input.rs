@@ -4,6 +4,7 @@ use crate::args::SceneArgs;
 use crate::failure::Failure;
 use hemicube::radiosity::Solution;
 use hemicube::radiosity::export::lit_glb;
+use hemicube::raster::io_error::in_words;
 use hemicube::scene::{Scene, open, open_bytes};
 use std::fs;
 use std::io::{self, Read};
@@ -74,7 +75,8 @@ impl Input {
 
 /// The bytes of a file of a bearable size; `-` is standard input.
 pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    read_or_error(path).map_err(|e| Failure::Failed(format!("{}: {e}", path.display())))
+    read_or_error(path)
+        .map_err(|e| Failure::Failed(format!("{}: {}", path.display(), in_words(&e))))
 }
 
 fn read_or_error(path: &Path) -> io::Result<Vec<u8>> {

@@ -1,6 +1,7 @@
 //! Writing: files whole or not at all, and text to standard output.
 
 use crate::failure::Failure;
+use hemicube::raster::io_error::in_words;
 use std::fs;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -26,9 +27,10 @@ pub fn remove_unfinished() {
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::Failed(format!("standard output: {e}")))
-        }
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Failure::Failed(format!(
+            "standard output: {}",
+            in_words(&e)
+        ))),
         _ => Ok(()),
     }
 }
@@ -101,14 +103,15 @@ impl Target {
                     folder.display()
                 ));
             }
-            Err(e) => return failed(e.to_string()),
+            Err(e) => return failed(in_words(&e)),
             Ok(_) => {}
         }
         match tempfile::tempfile_in(folder) {
             Ok(_) => Ok(target),
             Err(e) => failed(format!(
-                "the folder {} cannot be written to ({e})",
-                folder.display()
+                "the folder {} cannot be written to: {}",
+                folder.display(),
+                in_words(&e)
             )),
         }
     }
@@ -118,6 +121,11 @@ impl Target {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         }
+    }
+
+    /// Whether a path leads to the same file, through links or not.
+    pub fn is(&self, path: &Path) -> bool {
+        fs::canonicalize(path).is_ok_and(|real| real == self.real)
     }
 
     /// Whether the name's ending is this one, in lower or upper case.
@@ -138,7 +146,7 @@ impl Target {
         fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
     ) -> Result<(), Failure> {
         self.write_or_error(fill)
-            .map_err(|e| Failure::Failed(format!("{}: {e}", self.path.display())))
+            .map_err(|e| Failure::Failed(format!("{}: {}", self.path.display(), in_words(&e))))
     }
 
     fn write_or_error(
@@ -195,8 +203,9 @@ fn unfinished(change: impl FnOnce(&mut Vec<PathBuf>)) {
 
 /// Writes several files that belong together: none gets its name before all are on the disk.
 pub fn write_together(files: &[(Target, Vec<u8>)]) -> Result<(), Failure> {
-    let failed =
-        |target: &Target, e: &io::Error| Failure::Failed(format!("{}: {e}", target.path.display()));
+    let failed = |target: &Target, e: &io::Error| {
+        Failure::Failed(format!("{}: {}", target.path.display(), in_words(e)))
+    };
     let mut staged = Vec::new();
     for (target, bytes) in files {
         let file = target.stage(|out| out.write_all(bytes));

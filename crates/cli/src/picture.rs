@@ -2,20 +2,18 @@
 
 use crate::args::{GlobalArgs, PictureArgs, ProjectionKind};
 use crate::failure::Failure;
-use crate::input::read;
 use crate::output::Target;
 use crate::progress::Bar;
 use glam::Vec3;
 use hemicube::radiosity::Solution;
-use hemicube::raster::environment::{EnvironmentMap, projection_of_size};
-use hemicube::raster::image::{ReadOptions, read_picture};
+use hemicube::raster::environment::{EnvironmentMap, OpenMapError, map_files, open_map};
 use hemicube::raster::tonemap::Exposure;
 use hemicube::raster::triangle::Viewport;
 use hemicube::raster::{Image, Rgb};
 use hemicube::render::{Reflections, RenderOptions, Renderer, choose_camera};
 use hemicube::scene::{Camera, FisheyeMapping, Projection, Scene};
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Endings of pictures that can be written.
 pub const ENDINGS: &[&str] = &["png", "exr"];
@@ -37,11 +35,13 @@ pub fn check(scene: &Scene, args: &PictureArgs) -> Result<(), Failure> {
     }
     reflections(args)?.check(scene)?;
     if let Some(path) = &args.environment_file
-        && !path.is_file()
+        && let Some(missing) = surroundings_files(path)?
+            .iter()
+            .find(|file| !file.is_file())
     {
         return Err(Failure::Failed(format!(
             "{}: there is no such file; name a picture of the surroundings",
-            path.display()
+            missing.display()
         )));
     }
     let (width, height) = args.size.unwrap_or(PLAIN);
@@ -190,20 +190,33 @@ fn reflections(args: &PictureArgs) -> Result<Reflections, Failure> {
         .with_names(names.iter().filter(is_name).cloned().collect()))
 }
 
-/// The picture of the surroundings.
+/// The map of the surroundings.
 fn surroundings(path: &Path) -> Result<EnvironmentMap, Failure> {
-    let refused = |why: String| Failure::Failed(format!("{}: {why}", path.display()));
-    let bytes = read(path)?;
-    let picture =
-        read_picture(&bytes, &ReadOptions::default()).map_err(|e| refused(e.to_string()))?;
-    let image = picture.rgb();
-    let (width, height) = (image.width(), image.height());
-    let projection = projection_of_size(width, height).ok_or_else(|| {
-        refused(format!(
-            "{width} x {height} pixels are neither a panorama (2:1) nor a cube (4:3, 3:4, 6:1, 1:6); `hemicube environment convert` makes one"
-        ))
-    })?;
-    EnvironmentMap::from_image(projection, &image).map_err(|e| refused(e.to_string()))
+    let opened = open_map(path, None).map_err(|error| match error {
+        OpenMapError::Unclear { .. } => {
+            Failure::Failed(format!("{error}; `hemicube environment convert` makes one"))
+        }
+        error => Failure::Failed(error.to_string()),
+    });
+    Ok(opened?.map)
+}
+
+fn surroundings_files(path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    map_files(path, None).map_err(|error| Failure::Failed(error.to_string()))
+}
+
+/// Refuses to draw over a picture of the surroundings.
+pub fn refuse_surroundings(target: &Target, args: &PictureArgs) -> Result<(), Failure> {
+    let Some(path) = &args.environment_file else {
+        return Ok(());
+    };
+    if surroundings_files(path)?.iter().any(|file| target.is(file)) {
+        return Err(Failure::Usage(format!(
+            "{}: is read by --environment-file, and would be lost; choose another name",
+            target.path.display()
+        )));
+    }
+    Ok(())
 }
 
 fn camera(solution: &Solution, args: &PictureArgs) -> Result<Camera, Failure> {

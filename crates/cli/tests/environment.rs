@@ -3,7 +3,9 @@
 mod common;
 
 use common::{Folder, is_png, small};
+use hemicube::raster::{Image, Rgb};
 use serde_json::Value;
+use std::io::Cursor;
 
 /// A small panorama in a file: rows from blue to brown, a bright spot.
 fn panorama(folder: &Folder) {
@@ -256,4 +258,113 @@ fn what_makes_no_sense_is_refused_in_a_line() {
     ]));
     let line = folder.fails(2, &convert(&["ball.png", "-o", "o.png", "--to", "cube"]));
     assert!(line.contains("--from"), "a square may be anything: {line}");
+}
+
+#[test]
+fn maps_are_not_written_over_what_is_read() {
+    let folder = Folder::new();
+    panorama(&folder);
+    let before = folder.read("sky.hdr");
+    let convert = |rest: &[&'static str]| [&["environment", "convert"][..], rest].concat();
+    let refused = |args: &[&'static str]| {
+        let line = folder.fails(2, &convert(args));
+        assert!(line.contains("would be lost"), "{args:?}: {line}");
+    };
+    refused(&["sky.hdr", "-o", "sky.hdr", "--to", "cube"]);
+    refused(&[
+        "sky.hdr",
+        "-o",
+        "./sky.hdr",
+        "--to",
+        "latlong",
+        "--size",
+        "8",
+    ]);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(folder.path("sky.hdr"), folder.path("link.hdr"))
+            .expect("a link");
+        refused(&["sky.hdr", "-o", "link.hdr", "--to", "cube"]);
+    }
+    folder.done(&convert(&[
+        "sky.hdr",
+        "-o",
+        "f-{face}.hdr",
+        "--to",
+        "cube",
+        "--size",
+        "8",
+    ]));
+    refused(&["f-{face}.hdr", "-o", "f-ny.hdr", "--to", "latlong"]);
+    refused(&[
+        "f-{face}.hdr",
+        "-o",
+        "f-{face}.hdr",
+        "--to",
+        "cube",
+        "--size",
+        "4",
+    ]);
+    assert_eq!(folder.read("sky.hdr"), before, "it is as it was");
+    folder.done(&convert(&[
+        "sky.hdr", "-o", "sky.exr", "--to", "latlong", "--size", "8",
+    ]));
+    let line = folder.fails(
+        2,
+        &[
+            "render",
+            "cornell",
+            "-o",
+            "sky.exr",
+            "--environment-file",
+            "sky.exr",
+        ],
+    );
+    assert!(line.contains("would be lost"), "{line}");
+}
+
+#[test]
+fn info_and_convert_tell_of_pixels_that_no_light_has() {
+    let folder = Folder::new();
+    let mut image = Image::filled(8, 4, Rgb::splat(0.5));
+    *image.pixel_mut(5, 2) = Rgb::new(f32::NAN, 1.0, 1.0);
+    *image.pixel_mut(6, 3) = Rgb::new(f32::INFINITY, 1.0, 1.0);
+    *image.pixel_mut(1, 0) = Rgb::new(0.5, -1.0, 0.5);
+    let mut file = Cursor::new(Vec::new());
+    image.write_exr(&mut file).expect("OpenEXR");
+    std::fs::write(folder.path("sky.exr"), file.into_inner()).expect("a file");
+    let text = folder.done(&["environment", "info", "sky.exr"]);
+    let of = |word: &str| text.lines().find(|l| l.contains(word)).unwrap_or_default();
+    let line = of("not finite");
+    assert!(
+        line.contains("2 pixels") && line.contains("column 5, row 2"),
+        "{text}"
+    );
+    let line = of("negative");
+    assert!(
+        line.contains("1 pixel,") && line.contains("column 1, row 0"),
+        "{text}"
+    );
+    let report = folder.json(&["environment", "info", "sky.exr"]);
+    assert_eq!(report["non_finite"]["pixels"], 2, "{report}");
+    assert_eq!(report["negative"]["first"]["column"], 1, "{report}");
+    let flux = report["flux"][0].as_f64();
+    assert!(flux.is_some_and(f64::is_finite), "mended: {report}");
+    let output = folder.run(&[
+        "environment",
+        "convert",
+        "sky.exr",
+        "-o",
+        "c.exr",
+        "--to",
+        "cube",
+    ]);
+    let notes = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        output.status.success() && notes.contains("column 5, row 2"),
+        "{notes}"
+    );
+    panorama(&folder);
+    let clean = folder.json(&["environment", "info", "sky.hdr"]);
+    assert_eq!(clean["non_finite"]["pixels"], 0, "{clean}");
 }

@@ -299,3 +299,48 @@ fn scene_and_its_lit_file_look_the_same() {
         "chrome mirrors"
     );
 }
+
+/// Looking out of a closed room shows nothing of the surroundings; so an eye is outside.
+#[test]
+fn surroundings_are_read_in_any_form() {
+    let folder = Folder::new();
+    let mut file = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16 +X 32\n".to_vec();
+    for i in 0..16 * 32_u32 {
+        let [x, y] = [i % 32, i / 32].map(|v| u8::try_from(v).expect("small"));
+        file.extend([40 + 4 * y, 90 + x, 200 - 8 * y, 129]);
+    }
+    std::fs::write(folder.path("sky.hdr"), file).expect("a file for a test");
+    let to_cube = [
+        "environment",
+        "convert",
+        "sky.hdr",
+        "--to",
+        "cube",
+        "--size",
+        "16",
+    ];
+    folder.done(&[&to_cube[..], &["-o", "cross.exr"]].concat());
+    folder.done(&[&to_cube[..], &["-o", "f-{face}.exr"]].concat());
+    std::fs::create_dir(folder.path("faces")).expect("a folder");
+    for name in folder.files().iter().filter(|name| name.starts_with("f-")) {
+        let to = folder.path(&format!("faces/{name}"));
+        std::fs::copy(folder.path(name), to).expect("a copy");
+    }
+    folder.done(&small(&["solve", "furnace", "-o", "lit.glb"]));
+    let drawn = |surroundings: &str| {
+        let eye = ["--eye", "9,2,9", "--look-at", "20,3,20", "--size", "24x16"];
+        let args = [
+            "render",
+            "lit.glb",
+            "-o",
+            "v.exr",
+            "--environment-file",
+            surroundings,
+        ];
+        folder.done(&[&args[..], &eye].concat());
+        folder.read("v.exr")
+    };
+    let cross = drawn("cross.exr");
+    assert_eq!(drawn("faces"), cross, "a folder");
+    assert_eq!(drawn("f-{face}.exr"), cross, "a name for all");
+}

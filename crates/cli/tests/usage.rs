@@ -323,3 +323,101 @@ fn info_says_why_a_scene_stays_black() {
         assert!(text.contains(word), "'{word}' in {text}");
     }
 }
+
+#[test]
+fn files_that_are_not_there_are_told_in_words() {
+    let folder = Folder::new();
+    let gallery = |name: &'static str, files: &[&'static str]| {
+        let files = files.iter().flat_map(|&file| ["--file", file]);
+        ["gallery", "-o", ".", name]
+            .into_iter()
+            .chain(files)
+            .collect()
+    };
+    let all: [Vec<&'static str>; 9] = [
+        vec!["measure", "cornell", "--points", "none.csv"],
+        vec!["environment", "info", "none.hdr"],
+        vec![
+            "environment",
+            "convert",
+            "none.exr",
+            "-o",
+            "o.exr",
+            "--to",
+            "cube",
+        ],
+        small(&[
+            "render",
+            "cornell",
+            "-o",
+            "v.png",
+            "--environment-file",
+            "none.hdr",
+        ]),
+        gallery("environment-spheres-file", &["none.hdr"]),
+        gallery("phrase-in-font", &["none.ttf"]),
+        gallery("molecule-charges", &["none.pqr"]),
+        gallery("parallax-textures", &["none.png", "none.png", "none.png"]),
+        gallery("finite-elements", &["none.vtk"]),
+    ];
+    for args in all {
+        let line = folder.fails(1, &args);
+        let is_told = line.contains("none.") && line.contains("there is no such file");
+        assert!(is_told && !line.contains("os error"), "{args:?}: {line}");
+    }
+}
+
+#[test]
+fn numbers_out_of_range_are_told_with_option_and_range() {
+    let folder = Folder::new();
+    for (args, option, range) in [
+        (
+            &[
+                "environment",
+                "convert",
+                "a.hdr",
+                "-o",
+                "b.hdr",
+                "--to",
+                "cube",
+                "--size",
+                "0",
+            ][..],
+            "--size",
+            "from 1 to 8192",
+        ),
+        (
+            &[
+                "environment",
+                "capture",
+                "cornell",
+                "-o",
+                "b.hdr",
+                "--at",
+                "0,0,0",
+                "--size",
+                "-3",
+            ],
+            "--size",
+            "from 1 to 2048",
+        ),
+        (
+            &["solve", "cornell", "--rays", "many"],
+            "--rays",
+            "from 1 to 1048576",
+        ),
+        (
+            &["scenes", "--threads", "70000"],
+            "--threads",
+            "from 1 to 1024",
+        ),
+    ] {
+        let output = folder.run(args);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {text}");
+        assert!(
+            text.contains(option) && text.contains(range),
+            "{args:?}: {text}"
+        );
+    }
+}

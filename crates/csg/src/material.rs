@@ -5,6 +5,7 @@ use crate::noise::noise_gradient;
 use crate::pattern::{Pattern, check_color};
 use glam::DVec3;
 use hemicube_raster::Rgb;
+use hemicube_raster::reflection::BlinnPhong;
 
 /// A surface: a diffuse ground with a pattern, highlights of the lamps, and a coat that mirrors.
 ///
@@ -88,18 +89,15 @@ impl Material {
 
     /// What of the light of a lamp below the coat goes to the eye, diffuse and in highlights: the BRDF, 1/sr.
     ///
-    /// Highlights are those of Blinn, *Models of light reflection for computer synthesized pictures* (SIGGRAPH 1977),
-    /// with the factor `(n + 2) (n + 4) / (8 π (2^(-n/2) + n))` by which a whole hemisphere of light at right angles
-    /// gives exactly 1.
+    /// Highlights are those of [`BlinnPhong`], normalised; the power is taken in f64, for exponents of many thousands.
     pub(crate) fn brdf(&self, diffuse: Rgb, half_cosine: f64) -> Rgb {
         let ground = diffuse * ((1.0 - self.highlight) / core::f32::consts::PI);
         if self.highlight == 0.0 {
             return ground;
         }
-        let n = f64::from(self.exponent);
-        let norm = (n + 2.0) * (n + 4.0) / (8.0 * core::f64::consts::PI * ((-0.5 * n).exp2() + n));
-        let lobe = narrow(norm * half_cosine.max(0.0).powf(n));
-        ground + Rgb::splat(self.highlight * lobe)
+        let model = BlinnPhong::new(self.exponent);
+        let lobe = narrow(half_cosine.max(0.0).powf(self.exponent.into()));
+        ground + Rgb::splat(self.highlight * model.normalization() * lobe)
     }
 
     /// What of even light from everywhere goes to the eye below the coat.

@@ -14,7 +14,7 @@ fn plain(color: Rgb) -> Result<Material, CsgError> {
 
 #[test]
 fn in_a_white_furnace_white_surfaces_vanish() -> Result<(), CsgError> {
-    let mut numbers = Numbers(21);
+    let mut numbers = Numbers::new(21);
     let materials = [
         plain(Rgb::WHITE)?,
         plain(Rgb::WHITE)?.with_coat(Rgb::splat(0.3))?,
@@ -37,7 +37,7 @@ fn in_a_white_furnace_white_surfaces_vanish() -> Result<(), CsgError> {
 
 #[test]
 fn no_surface_returns_more_than_it_receives() -> Result<(), CsgError> {
-    let mut numbers = Numbers(22);
+    let mut numbers = Numbers::new(22);
     let material = Material::matte(Pattern::marble(
         Rgb::splat(0.9),
         Rgb::new(0.1, 0.2, 0.9),
@@ -128,7 +128,7 @@ fn two_mirrors_that_face_each_other_end() -> Result<(), CsgError> {
 
 #[test]
 fn nearest_hits_are_those_of_the_spans() {
-    let mut numbers = Numbers(23);
+    let mut numbers = Numbers::new(23);
     let solids: Vec<Solid> = (0..40).map(|_| tree(&mut numbers, 2)).collect();
     let scene = Scene::new(solids.clone());
     for _ in 0..3000 {
@@ -148,7 +148,7 @@ fn nearest_hits_are_those_of_the_spans() {
 
 #[test]
 fn pictures_do_not_depend_on_threads() -> Result<(), CsgError> {
-    let scene = Scene::new([tree(&mut Numbers(24), 4)]);
+    let scene = Scene::new([tree(&mut Numbers::new(24), 4)]);
     let camera = Camera::new(DVec3::new(3.0, 2.0, 4.0), DVec3::ZERO, 40.0)?;
     let view = View {
         scene: &scene,
@@ -165,7 +165,7 @@ fn pictures_do_not_depend_on_threads() -> Result<(), CsgError> {
 
 #[test]
 fn normals_are_at_right_angles_to_the_surface() {
-    let mut numbers = Numbers(25);
+    let mut numbers = Numbers::new(25);
     let mut checked = 0;
     for _ in 0..1200 {
         let scene = Scene::new([tree(&mut numbers, 1)]);

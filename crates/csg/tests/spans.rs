@@ -49,7 +49,7 @@ fn disagreements(solid: &Solid, ray: &Ray, numbers: &mut Numbers) -> usize {
 
 #[test]
 fn every_end_toggles_the_inside_and_nothing_else_does() {
-    let mut numbers = Numbers(1);
+    let mut numbers = Numbers::new(1);
     let mut all = 0;
     for i in 0..3000 {
         let solid = if i % 3 == 0 {
@@ -76,7 +76,7 @@ fn every_end_toggles_the_inside_and_nothing_else_does() {
 
 #[test]
 fn spans_are_ascending_and_apart() {
-    let mut numbers = Numbers(2);
+    let mut numbers = Numbers::new(2);
     for _ in 0..1000 {
         let solid = tree(&mut numbers, 4);
         let spans = solid.spans(&numbers.ray());
@@ -98,7 +98,7 @@ fn close(a: &[core::ops::Range<f64>], b: &[core::ops::Range<f64>]) -> bool {
 
 #[test]
 fn laws_of_sets_hold_along_rays() {
-    let mut numbers = Numbers(3);
+    let mut numbers = Numbers::new(3);
     for i in 0..1500 {
         let [a, b] = [(); 2].map(|()| tree(&mut numbers, 2));
         let ray = numbers.ray();
@@ -118,7 +118,7 @@ fn laws_of_sets_hold_along_rays() {
 
 #[test]
 fn torus_roots_are_exact_to_1e_9() {
-    let mut numbers = Numbers(4);
+    let mut numbers = Numbers::new(4);
     let (mut worst, mut count) = (0.0_f64, 0);
     for _ in 0..20_000 {
         let tube = 10_f64.powf(numbers.between(-3.0, -0.01));
@@ -243,7 +243,7 @@ fn boxes_stacked_on_each_other_are_one() {
             .expect("a box")
     });
     let stack = Solid::union(boxes);
-    let mut numbers = Numbers(9);
+    let mut numbers = Numbers::new(9);
     for _ in 0..2000 {
         let inside =
             turn * (DVec3::new(0.35, 0.5, 0.5) + numbers.point() * DVec3::new(0.3, 0.4, 0.4));

@@ -11,7 +11,7 @@ use hemicube_csg::{CsgError, Ray, Solid};
 fn by_points(solid: &Solid, count: u32) -> (f64, f64) {
     let bounds = solid.bounds();
     let size = bounds.high - bounds.low;
-    let mut numbers = Numbers(5);
+    let mut numbers = Numbers::new(5);
     let inside = (0..count)
         .filter(|_| {
             let share = (numbers.point() + 1.0) * 0.5;
@@ -30,7 +30,7 @@ fn by_points(solid: &Solid, count: u32) -> (f64, f64) {
 fn by_rays(solid: &Solid, side: u32) -> f64 {
     let bounds = solid.bounds();
     let size = bounds.high - bounds.low;
-    let mut numbers = Numbers(6);
+    let mut numbers = Numbers::new(6);
     let mut sum = 0.0;
     for i in 0..side {
         for j in 0..side {
@@ -149,7 +149,7 @@ fn nested_solids_have_their_volumes() -> Result<(), CsgError> {
 
 #[test]
 fn many_solids_are_one_union() -> Result<(), CsgError> {
-    let mut numbers = Numbers(11);
+    let mut numbers = Numbers::new(11);
     let balls: Result<Vec<Solid>, CsgError> = (0..300)
         .map(|i| {
             let place = DVec3::new(

@@ -35,7 +35,10 @@ fn checked_size(
     smallest: usize,
 ) -> Result<(usize, usize), GalleryError> {
     let (width, height) = request.size.unwrap_or(default);
-    let refuse = |why| Err(GalleryError::Size { width, height, why });
+    let refuse = |why: &str| {
+        let why = why.to_owned();
+        Err(GalleryError::Size { width, height, why })
+    };
     if width.min(height) < smallest {
         return refuse("too small for its parts; ask for a larger one");
     }

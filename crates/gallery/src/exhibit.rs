@@ -1,6 +1,7 @@
 //! What an exhibit is: a name, what it shows, and how it is drawn.
 
 use hemicube_chart::{Canvas, Chart, Drawing};
+use hemicube_raster::environment::OpenMapError;
 use hemicube_raster::image::ImageError;
 use hemicube_raster::{Image, Rgb};
 use std::io::Cursor;
@@ -80,6 +81,9 @@ pub enum GalleryError {
     /// A picture could not be encoded.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// An environment map cannot be read.
+    #[error(transparent)]
+    Map(#[from] OpenMapError),
     /// A file cannot be used.
     #[error("{}: {why}", path.display())]
     File {
@@ -96,6 +100,6 @@ pub enum GalleryError {
         /// Rows.
         height: usize,
         /// What is wrong with it.
-        why: &'static str,
+        why: String,
     },
 }

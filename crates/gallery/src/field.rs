@@ -11,6 +11,7 @@ mod sheet;
 mod vtk;
 
 use crate::exhibit::{Exhibit, GalleryError};
+use hemicube_raster::io_error::in_words;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -48,7 +49,7 @@ fn refuse(path: &Path, why: impl Into<String>) -> GalleryError {
 
 /// A whole file that is not too long.
 fn read(path: &Path) -> Result<Vec<u8>, GalleryError> {
-    let failed = |error: std::io::Error| refuse(path, error.to_string());
+    let failed = |error: std::io::Error| refuse(path, in_words(&error));
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(failed)?;
     file.take(LONGEST_FILE + 1)

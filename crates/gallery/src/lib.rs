@@ -14,6 +14,7 @@ mod environments;
 mod exhibit;
 mod field;
 mod scan_conversion;
+mod sheet;
 mod stage;
 mod textures;
 mod two_part;

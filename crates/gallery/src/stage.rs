@@ -1,21 +1,17 @@
 //! A stage for exhibits on surfaces: a camera, meshes, and a closure that shades each pixel of them.
 //!
-//! Visibility is the rasteriser's z-buffer. What a pixel sees there is computed anew from the triangle in f64, with exact
-//! derivatives: with `M` the matrix whose columns are the corners' clip-space `(x, y, w)`, the barycentric coordinates
-//! of the point seen at `(X, Y)` are `b = l / (l_0 + l_1 + l_2)`, `l = M^-1 (X, Y, 1)` (Olano and Greer, *Triangle scan
-//! conversion using 2D homogeneous coordinates*, Graphics Hardware 1997).
+//! Visibility is an item buffer; where on its triangle a sample lies follows from the corners in f64, with exact derivatives
+//! ([`draw_hits`]).
 
+mod hits;
 mod meshes;
-mod sheet;
 
+pub(crate) use hits::{Hit, draw_hits};
 pub(crate) use meshes::{Mesh, Vertex};
-pub(crate) use sheet::{Cell, Grid};
 
-use core::ops::Range;
-use glam::{DMat3, DVec3, Mat4, Vec2, Vec3, Vec4};
-use hemicube_raster::triangle::{ClipVertex, Cull, DepthBuffer, Viewport, draw_triangle};
+use glam::{Mat4, Vec2, Vec3, Vec4};
+use hemicube_raster::antialias::{Antialiasing, Factor};
 use hemicube_raster::{Image, Rgb};
-use rayon::prelude::*;
 
 /// A pinhole camera.
 #[derive(Debug, Clone, Copy)]
@@ -92,7 +88,7 @@ impl Fragment {
 pub(crate) struct Sampling {
     /// Width and height of the picture in pixels.
     pub size: (usize, usize),
-    /// Samples along each side of a pixel; their mean is the pixel.
+    /// Samples along each side of a pixel, up to 32; their mean is the pixel.
     pub per_side: usize,
 }
 
@@ -105,208 +101,58 @@ pub(crate) fn draw(
     shade: impl Fn(&Fragment) -> Rgb + Sync,
 ) -> Image<Rgb> {
     let (width, height) = sampling.size;
-    let per_side = sampling.per_side.max(1);
-    let mut image = Image::filled(width, height, background);
-    if width == 0 || height == 0 {
-        return image;
+    let clip_from_world = camera.clip_from_world(width as f32 / height.max(1) as f32);
+    let mut triangles = Vec::new();
+    // For each of them its mesh and which one it is there.
+    let mut places = Vec::new();
+    for (m, mesh) in meshes.iter().enumerate() {
+        let clip = |v: &Vertex| clip_from_world * v.position.extend(1.0);
+        let positions: Vec<Vec4> = mesh.vertices.iter().map(clip).collect();
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            triangles.push(corners.map(|vertex| positions[vertex as usize]));
+            places.push((m, t));
+        }
     }
-    let viewport = Viewport::new(width * per_side, height * per_side);
-    let clip_from_world = camera.clip_from_world(width as f32 / height as f32);
-    let positions: Vec<Vec<Vec4>> = meshes
-        .iter()
-        .map(|mesh| {
-            let vertices = mesh.vertices.iter();
-            vertices
-                .map(|v| clip_from_world * v.position.extend(1.0))
-                .collect()
-        })
-        .collect();
-    let stage = Stage {
-        camera,
-        viewport,
-        meshes,
-        positions,
+    let factor = Factor::new(sampling.per_side).unwrap_or(Factor::ONE);
+    let antialiasing = Antialiasing::regular(factor);
+    draw_hits(&triangles, sampling.size, antialiasing, background, |hit| {
+        let (m, t) = places[hit.triangle];
+        let corners = meshes[m].triangles[t];
+        let vertices = corners.map(|vertex| meshes[m].vertices[vertex as usize]);
+        shade(&fragment(camera, m, &vertices, hit))
+    })
+}
+
+/// What a sample sees, between three vertices.
+fn fragment(camera: &Camera, mesh: usize, vertices: &[Vertex; 3], hit: &Hit) -> Fragment {
+    let sum3 = |w: [f32; 3], of: fn(&Vertex) -> Vec3| -> Vec3 {
+        of(&vertices[0]) * w[0] + of(&vertices[1]) * w[1] + of(&vertices[2]) * w[2]
     };
-    let bins = stage.bins(ROWS_PER_BAND * per_side);
-    let rows = image.pixels_mut().par_chunks_mut(width * ROWS_PER_BAND);
-    rows.enumerate().for_each(|(band, pixels)| {
-        let first = band * ROWS_PER_BAND * per_side;
-        let rows = first..first + pixels.len() / width * per_side;
-        let samples = stage.shade_rows(rows, &bins[band], &shade);
-        average(&samples, per_side, width, background, pixels);
+    let sum2 = |w: [f32; 3]| -> Vec2 {
+        let [p, q, r] = vertices.each_ref().map(|v| v.texcoord);
+        p * w[0] + q * w[1] + r * w[2]
+    };
+    let weights = hit.barycentric;
+    let derivatives = [0, 1].map(|axis| hit.gradients.map(|g| g[axis]));
+    let position = sum3(weights, |v| v.position);
+    let raw = sum3(weights, |v| v.normal);
+    let length = raw.length().max(f32::MIN_POSITIVE);
+    let normal = raw / length;
+    let d_normal = derivatives.map(|w| {
+        let d = sum3(w, |v| v.normal);
+        (d - normal * normal.dot(d)) / length
     });
-    image
-}
-
-/// Pixel rows that are drawn at a time.
-const ROWS_PER_BAND: usize = 16;
-
-/// Means of the samples of each pixel, those without a mesh being background.
-fn average(
-    samples: &[Option<Rgb>],
-    per_side: usize,
-    width: usize,
-    background: Rgb,
-    pixels: &mut [Rgb],
-) {
-    let share = 1.0 / (per_side * per_side) as f32;
-    for (i, pixel) in pixels.iter_mut().enumerate() {
-        let (x, y) = (i % width * per_side, i / width * per_side);
-        let rows = (y..y + per_side).map(|y| y * width * per_side + x);
-        let of_pixel = rows.flat_map(|start| &samples[start..start + per_side]);
-        *pixel = of_pixel.map(|s| s.unwrap_or(background)).sum::<Rgb>() * share;
-    }
-}
-
-struct Stage<'a> {
-    camera: &'a Camera,
-    /// Of the samples.
-    viewport: Viewport,
-    meshes: &'a [&'a Mesh],
-    /// Clip-space positions of the vertices of each mesh.
-    positions: Vec<Vec<Vec4>>,
-}
-
-impl Stage<'_> {
-    /// For each band of so many rows the triangles that may be seen there, as mesh and triangle, in their order.
-    fn bins(&self, rows: usize) -> Vec<Vec<(usize, usize)>> {
-        let mut bins = vec![Vec::new(); self.viewport.height.div_ceil(rows)];
-        for (m, mesh) in self.meshes.iter().enumerate() {
-            for (t, triangle) in mesh.triangles.iter().enumerate() {
-                let corners = triangle.map(|vertex| self.positions[m][vertex as usize]);
-                for bin in &mut bins[self.bands_of(&corners, rows)] {
-                    bin.push((m, t));
-                }
-            }
-        }
-        bins
-    }
-
-    /// The bands of a triangle; all of them if a corner is not in front of the eye.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to the number of bands"
-    )]
-    fn bands_of(&self, corners: &[Vec4; 3], rows: usize) -> Range<usize> {
-        let bands = self.viewport.height.div_ceil(rows);
-        if !corners.iter().all(|p| p.w > 0.0) {
-            return 0..bands;
-        }
-        let per_ndc = 0.5 * self.viewport.height as f32 / rows as f32;
-        let [a, b, c] = corners.map(|p| (1.0 - p.y / p.w) * per_ndc);
-        // A row more on both sides for corners that are rounded to sub-pixels.
-        let margin = 1.0 / rows as f32;
-        let first = (a.min(b).min(c) - margin).floor().clamp(0.0, bands as f32);
-        let end = (a.max(b).max(c) + margin).ceil().clamp(first, bands as f32);
-        first as usize..end as usize
-    }
-
-    /// The samples of some rows, `None` where no mesh is seen. `triangles` are those that may be seen there.
-    fn shade_rows(
-        &self,
-        rows: Range<usize>,
-        triangles: &[(usize, usize)],
-        shade: &impl Fn(&Fragment) -> Rgb,
-    ) -> Vec<Option<Rgb>> {
-        let width = self.viewport.width;
-        let seen = self.visible(rows.clone(), triangles);
-        let sample = |(i, seen): (usize, &Option<(usize, usize)>)| {
-            let (mesh, triangle) = (*seen)?;
-            let fragment = self.fragment(mesh, triangle, i % width, rows.start + i / width)?;
-            Some(shade(&fragment))
-        };
-        seen.iter().enumerate().map(sample).collect()
-    }
-
-    /// Mesh and triangle seen by each sample of some rows.
-    fn visible(
-        &self,
-        rows: Range<usize>,
-        triangles: &[(usize, usize)],
-    ) -> Vec<Option<(usize, usize)>> {
-        let width = self.viewport.width;
-        let mut depths = vec![DepthBuffer::EMPTY; rows.len() * width];
-        let mut seen = vec![None; depths.len()];
-        for &(m, t) in triangles {
-            let corners = self.meshes[m].triangles[t]
-                .map(|vertex| ClipVertex::new(self.positions[m][vertex as usize], []));
-            draw_triangle(
-                rows.clone(),
-                self.viewport,
-                Cull::None,
-                &corners,
-                &mut depths,
-                |x, y, _, []| {
-                    seen[(y - rows.start) * width + x] = Some((m, t));
-                    true
-                },
-            );
-        }
-        seen
-    }
-
-    /// What a sample sees of a triangle. `None` for a triangle seen edge-on.
-    fn fragment(&self, mesh: usize, triangle: usize, x: usize, y: usize) -> Option<Fragment> {
-        let corners = self.meshes[mesh].triangles[triangle].map(|vertex| vertex as usize);
-        let columns = corners.map(|i| {
-            let p = self.positions[mesh][i].as_dvec4();
-            DVec3::new(p.x, p.y, p.w)
-        });
-        let inverse = DMat3::from_cols_array_2d(&columns.map(|c| c.to_array()))
-            .try_inverse()
-            .filter(|m| m.is_finite())?;
-        let (w, h) = (self.viewport.width as f64, self.viewport.height as f64);
-        let ndc = DVec3::new(
-            (x as f64 + 0.5) * 2.0 / w - 1.0,
-            1.0 - (y as f64 + 0.5) * 2.0 / h,
-            1.0,
-        );
-        let weights = inverse * ndc;
-        let sum = weights.element_sum();
-        let b = weights / sum;
-        let slope = |step: DVec3| {
-            let dl = inverse * step;
-            ((dl - b * dl.element_sum()) / sum).as_vec3()
-        };
-        let db = [
-            slope(DVec3::new(2.0 / w, 0.0, 0.0)),
-            slope(DVec3::new(0.0, -2.0 / h, 0.0)),
-        ];
-        let vertices = corners.map(|i| self.meshes[mesh].vertices[i]);
-        Some(self.interpolate(mesh, &vertices, b.as_vec3(), db))
-    }
-
-    fn interpolate(&self, mesh: usize, vertices: &[Vertex; 3], b: Vec3, db: [Vec3; 2]) -> Fragment {
-        let weights = b.to_array();
-        let sum3 = |w: [f32; 3], of: fn(&Vertex) -> Vec3| -> Vec3 {
-            of(&vertices[0]) * w[0] + of(&vertices[1]) * w[1] + of(&vertices[2]) * w[2]
-        };
-        let sum2 = |w: [f32; 3]| -> Vec2 {
-            let [p, q, r] = vertices.each_ref().map(|v| v.texcoord);
-            p * w[0] + q * w[1] + r * w[2]
-        };
-        let derivatives = db.map(|db| db.to_array());
-        let position = sum3(weights, |v| v.position);
-        let raw = sum3(weights, |v| v.normal);
-        let length = raw.length().max(f32::MIN_POSITIVE);
-        let normal = raw / length;
-        let d_normal = derivatives.map(|w| {
-            let d = sum3(w, |v| v.normal);
-            (d - normal * normal.dot(d)) / length
-        });
-        let tangent = sum3(weights, |v| v.tangent.truncate());
-        Fragment {
-            mesh,
-            position,
-            d_position: derivatives.map(|w| sum3(w, |v| v.position)),
-            normal,
-            d_normal,
-            texcoord: sum2(weights),
-            d_texcoord: derivatives.map(sum2),
-            tangent: tangent.extend(vertices[0].tangent.w),
-            view: (self.camera.eye - position).normalize_or_zero(),
-        }
+    let tangent = sum3(weights, |v| v.tangent.truncate());
+    Fragment {
+        mesh,
+        position,
+        d_position: derivatives.map(|w| sum3(w, |v| v.position)),
+        normal,
+        d_normal,
+        texcoord: sum2(weights),
+        d_texcoord: derivatives.map(sum2),
+        tangent: tangent.extend(vertices[0].tangent.w),
+        view: (camera.eye - position).normalize_or_zero(),
     }
 }
 

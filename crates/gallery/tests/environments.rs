@@ -1,6 +1,8 @@
 //! The exhibits of environment mapping: they draw, and their figures are right.
 
 use hemicube_gallery::{Exhibit, GalleryError, Piece, Request, exhibits};
+use hemicube_raster::Rgb;
+use hemicube_raster::environment::{EnvironmentMap, FACE_NAMES, Projection};
 
 fn exhibit(name: &str) -> &'static Exhibit {
     exhibits()
@@ -42,9 +44,9 @@ fn projections_keep_their_light() {
     let rows = table(&drawn("environment-projections", (64, 64)));
     assert_eq!(rows.len(), 8, "all projections");
     for row in rows {
-        assert!(number(&row[3]).abs() < 1e-11, "{row:?}: solid angles");
+        assert!(number(&row[4]).abs() < 1e-11, "{row:?}: solid angles");
         let is_whole = !["fisheye", "hemispherical"].contains(&row[0].as_str());
-        assert!(!is_whole || number(&row[5]) < 1e-6, "{row:?}: flux");
+        assert!(!is_whole || number(&row[6]) < 1e-6, "{row:?}: flux");
     }
 }
 
@@ -76,6 +78,29 @@ fn parallax_is_corrected() {
     let rows = table(&drawn("parallax-correction", (64, 64)));
     let errors: Vec<f64> = rows.iter().map(|row| number(&row[1])).collect();
     assert!(errors[2] < 0.6 * errors[0].min(errors[1]), "{errors:?}");
+}
+
+#[test]
+fn files_of_faces_are_drawn_as_well() {
+    let folder = tempfile::tempdir().expect("a folder for a test");
+    let cube =
+        EnvironmentMap::from_fn(Projection::Cube, 16, 1, |d| Rgb::from((d + 1.0).to_array()));
+    for (face, name) in cube.faces().iter().zip(FACE_NAMES) {
+        let mut file = Vec::new();
+        face.write_hdr(&mut file).expect("Radiance");
+        std::fs::write(folder.path().join(format!("{name}.hdr")), file).expect("a file");
+    }
+    let table_of = |files| {
+        let request = Request {
+            size: Some((64, 64)),
+            files: vec![files],
+            ..Request::default()
+        };
+        let pieces = (exhibit("environment-projections-file").draw)(&request);
+        table(&pieces.unwrap_or_else(|e| panic!("{e}")))
+    };
+    let of_folder = table_of(folder.path().to_path_buf());
+    assert_eq!(of_folder, table_of(folder.path().join("{face}.hdr")));
 }
 
 #[test]

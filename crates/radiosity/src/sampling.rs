@@ -5,6 +5,7 @@
 
 use core::f32::consts::PI;
 use glam::Vec3;
+use hemicube_raster::random::{GOLDEN, mix};
 
 /// Inverse powers of the root of `x³ = x + 1`.
 const R2: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
@@ -16,15 +17,9 @@ const R4: [f64; 4] = [
     0.538_597_257_220_357_1,
 ];
 
-/// Well-mixed 64 bits of two numbers (the finaliser of SplitMix64; Steele, Lea, Flood 2014).
+/// Well-mixed 64 bits of two numbers.
 pub fn hash(a: u64, b: u64) -> u64 {
-    let mut z = a
-        .wrapping_mul(0x9E37_79B9_7F4A_7C15)
-        .wrapping_add(b)
-        .wrapping_add(0x9E37_79B9_7F4A_7C15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
+    mix(a.wrapping_mul(GOLDEN).wrapping_add(b).wrapping_add(GOLDEN))
 }
 
 /// Point `index` of the two-dimensional sequence with the shift of `seed`, in [0, 1)².

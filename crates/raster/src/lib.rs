@@ -12,7 +12,8 @@
 //! | [`bump`], [`reflection`] | normals tilted by heights and normal maps, distant bumps as roughness; Phong's models |
 //! | [`environment`] | light from all directions in eight projections, conversion between any two, levels by roughness, spherical harmonics |
 //! | [`colormap`] | numbers as colours: perceptually even tables, isolines, element edges |
-//! | [`image`], [`tonemap`], [`color`] | pictures in memory and in files (read: PNG, JPEG, WebP, Radiance, OpenEXR), light into the range of a display |
+//! | [`noise`], [`random`] | gradient noise, hashes, even points |
+//! | [`image`], [`io_error`], [`tonemap`], [`color`] | pictures in memory and in files (read: PNG, JPEG, WebP, Radiance, OpenEXR), what the system says about files in words, light into the range of a display |
 //!
 //! # Current state
 //! Nothing here panics on the coordinates it is given: what is not finite is not drawn, and where a mapping or a bump is
@@ -29,10 +30,14 @@ pub mod colormap;
 pub mod ellipse;
 pub mod environment;
 pub mod image;
+pub mod io_error;
 pub mod line;
+pub mod noise;
 pub mod polygon;
+pub mod random;
 pub mod reflection;
 mod signed_area;
+mod sinc;
 pub mod stroke;
 pub mod target;
 pub mod texture;

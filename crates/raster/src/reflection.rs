@@ -73,9 +73,13 @@ impl BlinnPhong {
     /// The lobe times `(n + 2)(n + 4) / (8 pi (2^(-n/2) + n))`, the exact factor with which all light along the normal
     /// comes back (Giesen 2009). Towards grazing angles it falls, so more never comes back.
     pub fn reflectance(&self, normal: Vec3, light: Vec3, view: Vec3) -> f32 {
+        self.lobe(normal, light, view) * self.normalization()
+    }
+
+    /// What [`Self::reflectance`] multiplies the lobe by.
+    pub fn normalization(&self) -> f32 {
         let n = self.exponent;
-        let factor = (n + 2.0) * (n + 4.0) / (8.0 * PI * ((-0.5 * n).exp2() + n));
-        self.lobe(normal, light, view) * factor
+        (n + 2.0) * (n + 4.0) / (8.0 * PI * ((-0.5 * n).exp2() + n))
     }
 
     /// The lobe as a distribution of facet normals per solid angle: `(n + 2) / 2 pi cos^n`, which integrates to 1 against

@@ -1,12 +1,14 @@
 //! Environment maps at work: conversion keeps light, blur keeps light, harmonics are what they claim.
 
+use core::f64::consts::{FRAC_PI_2, PI};
 use glam::Vec3;
 use hemicube_raster::Rgb;
 use hemicube_raster::environment::{
     Bounds, Choice, ConvertOptions, DistantLight, EnvironmentMap, EnvironmentPyramid,
-    EnvironmentSet, Lobe, PrefilterOptions, PrefilteredEnvironment, Probe, Projection,
-    SphericalHarmonics, convert, highlights, irradiance_by_texels,
+    EnvironmentSet, IrradianceSum, Lobe, PrefilterOptions, PrefilteredEnvironment, Probe,
+    Projection, SphericalHarmonics, convert, highlights,
 };
+use hemicube_raster::reflection::BlinnPhong;
 
 const WHOLE: [Projection; 6] = [
     Projection::Cube,
@@ -39,7 +41,12 @@ fn uniform_light_stays_uniform() {
                 "{from} to {to}: {report:?}"
             );
             if from.covers_sphere() {
-                for &texel in map.texels() {
+                let angles = map.solid_angles();
+                for (i, &texel) in map.texels().iter().enumerate() {
+                    // What lies outside a disc is black; the rest is rounding.
+                    if angles[i % angles.len()] < 1e-12 {
+                        continue;
+                    }
                     let off = (texel - Rgb::new(0.25, 1.0, 3.0)).map(f32::abs).max_band();
                     assert!(off < 2e-6, "{from} to {to}: {texel:?}");
                 }
@@ -194,12 +201,13 @@ fn harmonics_are_orthonormal() {
 #[test]
 fn irradiance_of_degree_2_is_near_the_truth() {
     let map = EnvironmentMap::from_fn(Projection::Cube, 16, 2, sky);
+    let by_texels = IrradianceSum::new(&map);
     let mut errors = vec![];
     for degree in [1, 2, 4, 8] {
         let harmonics = SphericalHarmonics::of_map(&map, degree);
         let (mut sum, mut truth_sum) = (0.0, 0.0);
         for normal in directions(60) {
-            let truth = irradiance_by_texels(&map, normal).g;
+            let truth = by_texels.irradiance(normal).g;
             sum += (harmonics.irradiance(normal).g - truth).powi(2);
             truth_sum += truth;
         }
@@ -244,6 +252,78 @@ fn white_furnace_stays_white() {
         for level in blurred.levels() {
             for texel in level.texels() {
                 assert!((texel.g - 1.0).abs() < 1e-5, "{lobe:?}: {texel:?}");
+            }
+        }
+    }
+}
+
+/// Solid angle that a lobe would fill at the height of its peak, by the midpoint rule over the angle.
+fn width(lobe: Lobe, roughness: f32) -> f64 {
+    let steps = 200_000;
+    let peak = f64::from(lobe.weight(roughness, 1.0));
+    let sum: f64 = (0..steps)
+        .map(|i| {
+            // Squared, so that narrow lobes have enough steps.
+            let t = (f64::from(i) + 0.5) / f64::from(steps);
+            let (angle, step) = (FRAC_PI_2 * t * t, FRAC_PI_2 * 2.0 * t / f64::from(steps));
+            #[expect(clippy::cast_possible_truncation, reason = "a cosine")]
+            let weight = lobe.weight(roughness, angle.cos() as f32);
+            f64::from(weight) * angle.sin() * step
+        })
+        .sum();
+    2.0 * PI * sum / peak
+}
+
+#[test]
+fn phong_is_as_wide_as_ggx() {
+    for roughness in [0.1, 0.25, 0.4, 0.5, 0.75, 0.9, 1.0] {
+        let [ggx, phong] = [Lobe::Ggx, Lobe::Phong].map(|lobe| width(lobe, roughness));
+        // Cosines are f32: near 1 they leave steps in narrow lobes.
+        assert!(
+            (phong / ggx - 1.0).abs() < 5e-3,
+            "{roughness}: {phong} sr, GGX {ggx} sr"
+        );
+    }
+    // A power of the cosine fills 2π / (n + 1). Blinn's exponent of the same roughness is four times n.
+    let exponent = 2.0 * PI / width(Lobe::Phong, 0.3) - 1.0;
+    let blinn = f64::from(BlinnPhong::from_roughness(0.3 * 0.3).exponent);
+    assert!(
+        (4.0 * exponent / blinn - 1.0).abs() < 0.1,
+        "{exponent}, {blinn}"
+    );
+}
+
+/// Whether any part of a texel lies in the disc of its face.
+fn is_in_disc(n: usize, x: usize, y: usize) -> bool {
+    let parts = (0..33 * 33).map(|i| (i % 33, i / 33));
+    let at = |i: usize, part: usize| (i as f32 + part as f32 / 32.0) * 2.0 / n as f32 - 1.0;
+    parts
+        .into_iter()
+        .any(|(i, j)| at(x, i).hypot(at(y, j)) < 0.999)
+}
+
+#[test]
+fn corners_around_discs_are_black() {
+    let source = EnvironmentMap::from_fn(Projection::Cube, 16, 1, |_| Rgb::splat(0.7));
+    for to in [
+        Projection::Sphere,
+        Projection::Angular,
+        Projection::Fisheye,
+        Projection::Hemispherical,
+    ] {
+        for rows in [9, 32] {
+            let (converted, _) = convert(&source, to, &ConvertOptions::default().with_rows(rows));
+            let made = EnvironmentMap::from_fn(to, rows, 2, |_| Rgb::splat(0.7));
+            for i in 0..rows * rows {
+                let (x, y) = (i % rows, i / rows);
+                let wanted = if is_in_disc(rows, x, y) { 0.7 } else { 0.0 };
+                for map in [&converted, &made] {
+                    let light = map.texel(0, x, y).g;
+                    assert!(
+                        (light - wanted).abs() < 1e-5,
+                        "{to}, {rows} rows, ({x}, {y}): {light}"
+                    );
+                }
             }
         }
     }

@@ -10,7 +10,7 @@ use crate::stage::Stage;
 use core::f32::consts::FRAC_PI_2;
 use glam::{Vec2, Vec3};
 use hemicube_raster::environment::{
-    EnvironmentMap, EnvironmentPyramid, PrefilterOptions, PrefilteredEnvironment,
+    Bounds, EnvironmentMap, EnvironmentPyramid, PrefilterOptions, PrefilteredEnvironment,
     Projection as Faces,
 };
 use hemicube_raster::{Image, Rgb};
@@ -125,7 +125,10 @@ fn mirror_of(
     let options = PrefilterOptions::default()
         .with_rows(wanted.resolution)
         .with_samples(BLUR_SAMPLES);
-    let room = (wanted.box_projected && is_closed(stage, eye)).then(|| stage.bounds());
+    let room = (wanted.box_projected && is_closed(stage, eye)).then(|| {
+        let (low, high) = stage.bounds();
+        Bounds { low, high }
+    });
     Mirror {
         position: eye,
         map: PrefilteredEnvironment::new(&EnvironmentPyramid::new(map), &options),
@@ -155,8 +158,8 @@ fn face_picture(
     )
 }
 
-/// A camera whose picture is a face of the cube.
-fn face_camera(eye: Vec3, face: usize) -> Camera {
+/// A camera whose square picture is a face of the cube of [`Faces::Cube`], by its number.
+pub fn face_camera(eye: Vec3, face: usize) -> Camera {
     let towards = |s: f32, t: f32| Faces::Cube.direction(face, Vec2::new(s, t));
     Camera {
         name: String::from("face"),

@@ -50,6 +50,7 @@ mod tilt;
 mod trace;
 
 pub use auto_camera::choose_camera;
+pub use capture::face_camera;
 pub use error::RenderError;
 pub use options::{ParseShadingError, RenderOptions, Shading, TextureFilter};
 pub use projection::clip_from_world;

@@ -4,7 +4,7 @@ use crate::error::RenderError;
 use crate::stage::Stage;
 use glam::Vec3;
 use hemicube_raster::Rgb;
-use hemicube_raster::environment::PrefilteredEnvironment;
+use hemicube_raster::environment::{Bounds, PrefilteredEnvironment};
 use hemicube_scene::{Material, Scene, Texture, TextureSlot, TextureUse};
 use wildmatch::WildMatch;
 
@@ -131,30 +131,17 @@ pub(crate) struct Mirror {
     pub position: Vec3,
     pub map: PrefilteredEnvironment,
     /// The room that the map shows, if it is one.
-    pub room: Option<(Vec3, Vec3)>,
+    pub room: Option<Bounds>,
 }
 
 impl Mirror {
-    /// Light that a point mirrors from around a direction of unit length. In a room the ray is followed to its wall, and
-    /// looked up in the direction from the map's place to there (Lagarde and Zanuttini 2012).
+    /// Light that a point mirrors from around a direction of unit length; in a room box-projected.
     pub fn radiance(&self, point: Vec3, direction: Vec3, roughness: f32) -> Rgb {
-        let wall = self.room.and_then(|room| exit(room, point, direction));
-        let seen = wall.map_or(direction, |wall| wall - self.position);
+        let seen = self.room.map_or(direction, |room| {
+            room.projected(self.position, point, direction)
+        });
         self.map.radiance(seen, roughness)
     }
-}
-
-/// Where a ray from inside leaves a box.
-fn exit((low, high): (Vec3, Vec3), point: Vec3, direction: Vec3) -> Option<Vec3> {
-    let inside = point.cmpge(low).all() && point.cmple(high).all();
-    let ahead = Vec3::select(direction.cmpgt(Vec3::ZERO), high, low);
-    let distances = (ahead - point) / direction;
-    let nearest = distances
-        .to_array()
-        .into_iter()
-        .filter(|d| d.is_finite())
-        .fold(f32::INFINITY, f32::min);
-    (inside && nearest.is_finite()).then(|| point + direction * nearest)
 }
 
 /// The maps of a picture's mirrors.
@@ -170,25 +157,5 @@ impl Mirrors {
     pub fn of_part(&self, part: u32) -> Option<&Mirror> {
         let map = self.of_parts[part as usize]?;
         self.mirrors.get(map)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rays_leave_boxes_where_they_should() {
-        let room = (Vec3::splat(-1.0), Vec3::new(1.0, 2.0, 3.0));
-        let from = Vec3::new(0.5, 0.0, 0.0);
-        assert_eq!(exit(room, from, Vec3::X), Some(Vec3::new(1.0, 0.0, 0.0)));
-        assert_eq!(
-            exit(room, from, Vec3::NEG_Z),
-            Some(Vec3::new(0.5, 0.0, -1.0))
-        );
-        let slanted = exit(room, from, Vec3::new(1.0, 2.0, 0.0));
-        assert_eq!(slanted, Some(Vec3::new(1.0, 1.0, 0.0)), "the nearer wall");
-        assert_eq!(exit(room, Vec3::splat(9.0), Vec3::X), None, "outside");
-        assert_eq!(exit(room, from, Vec3::ZERO), None, "no direction");
     }
 }

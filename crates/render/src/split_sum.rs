@@ -9,6 +9,7 @@
 use core::f32::consts::TAU;
 use glam::{Vec2, Vec3};
 use hemicube_raster::Rgb;
+use hemicube_raster::random::hammersley;
 use std::sync::OnceLock;
 
 /// Rows (roughness) and columns (root of the cosine, so that they stand closer at grazing angles) of the table, from 0 to 1.
@@ -64,9 +65,7 @@ fn integral(cosine: f32, roughness: f32, samples: u32) -> Vec2 {
     let lambda = |c: f32| (square + (1.0 - square) * c * c).sqrt();
     let mut sum = Vec2::ZERO;
     for i in 0..samples {
-        let turn = f64::from(i.reverse_bits()) / f64::from(u32::MAX);
-        let u = Vec2::new(narrow(turn), (i as f32 + 0.5) / samples as f32);
-        let half = visible_normal(view, alpha, u);
+        let half = visible_normal(view, alpha, hammersley(i, samples));
         let along = view.dot(half);
         let light = (half * (2.0 * along) - view).z;
         if light > 0.0 {
@@ -87,11 +86,6 @@ fn visible_normal(view: Vec3, alpha: f32, u: Vec2) -> Vec3 {
     let (sin, cos) = (TAU * u.x).sin_cos();
     let half = Vec3::new(radius * cos, radius * sin, z) + on_sphere;
     (half * stretch).normalize_or(Vec3::Z)
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "a share of a turn")]
-fn narrow(x: f64) -> f32 {
-    x as f32
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum SceneError {
     /// The file could not be read.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {}", path.display(), hemicube_raster::io_error::in_words(source))]
     Read {
         /// Which file.
         path: PathBuf,

@@ -48,7 +48,11 @@ The world is right-handed with +y up. Face pz lies ahead, at -z; px at the right
   paraboloid     two halves, ahead and behind
   octahedral     square: zenith in the middle, nadir in the corners
   angular        light probe: 180 degrees at the rim
-  fisheye        equidistant, 180 degrees across; hemispherical: orthographic. What lies behind is black";
+  fisheye        equidistant, 180 degrees across; hemispherical: orthographic. What lies behind is black
+
+Pixels outside the disc of a sphere, angular, fisheye or hemispherical map are black in files that are written, and not \
+looked at in those that are read; the halves of a paraboloid go on over their rim, for filters. Pixels that are not finite \
+are read as 0 if they are no number, else as 65504; `info` tells where they are.";
 
 const CONVERT_HELP: &str = "\
 Examples:
@@ -57,7 +61,8 @@ Examples:
   hemicube environment convert ball.png -o probe.hdr --from sphere --to angular
 
 Uniform light stays uniform, and the flux of the map stays what it is, exactly; a sun in one pixel keeps its energy. What \
-the conversion did is printed, with a check of the solid angles.";
+the conversion did is printed, with a check of the solid angles. Corners of discs (sphere, angular, fisheye, hemispherical) \
+become black.";
 
 /// Brings an environment map into another projection, keeping its light
 #[derive(Debug, Args)]
@@ -76,7 +81,7 @@ pub struct ConvertTask {
     #[arg(long, value_name = "PROJECTION", value_parser = parse::choice(&Projection::ALL, Projection::name))]
     pub from: Option<Projection>,
     /// Rows of a face [default: as many as keep all detail]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::whole::<u32>(1..=8192))]
     pub size: Option<u32>,
     /// How several faces lie in one picture [default: cross for a cube, row for a paraboloid]
     #[arg(long, value_name = "LAYOUT", value_parser = parse::choice(&Layout::ALL, Layout::name))]
@@ -103,7 +108,7 @@ Examples:
   hemicube environment capture lit.glb -o desk-{face}.png --at 2,1.2,1.5 --size 512 --shading gather
 
 Six pictures of 90 degrees are rendered from the point: radiance in the scene's units in .exr and .hdr, what a display shows \
-in .png.";
+in .png. With --to sphere, angular, fisheye or hemispherical the corners outside the disc are black.";
 
 /// Renders an environment map of what is seen from a point of a scene
 #[derive(Debug, Args)]
@@ -122,7 +127,7 @@ pub struct CaptureTask {
     #[arg(long, value_name = "PROJECTION", value_parser = parse::choice(&Projection::ALL, Projection::name))]
     pub to: Option<Projection>,
     /// Rows of each of the six pictures
-    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=2048))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 256, value_parser = parse::whole::<u32>(1..=2048))]
     pub size: u32,
     /// How several faces lie in one picture [default: cross for a cube, row for a paraboloid]
     #[arg(long, value_name = "LAYOUT", value_parser = parse::choice(&Layout::ALL, Layout::name))]

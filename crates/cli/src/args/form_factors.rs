@@ -52,15 +52,15 @@ pub struct FactorArgs {
     /// What a row stands for [default: face; object for .vs3]
     #[arg(long, value_name = "WHAT", value_parser = parse::choice(&SurfacesBy::ALL, SurfacesBy::name))]
     pub by: Option<SurfacesBy>,
-    /// Way to the form factors; only analytic has no noise, but for how what is missing to 1 is split between sky and
-    /// backs, which rays tell [default: analytic]
+    /// Way to the form factors; only analytic has no noise, but for pairs behind panes or very many surfaces, which
+    /// rays tell [default: analytic]
     #[arg(long, value_name = "METHOD", value_parser = parse::choice(&FormFactorKind::ALL, FormFactorKind::name))]
     pub method: Option<FormFactorKind>,
     /// Wanted error of each factor, for analytic; smaller takes longer only where others are in the way [default: 1e-5]
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = parse::error)]
     pub error: Option<f64>,
     /// Rays over each hemisphere, for raycast and nusselt [default: 4096]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::whole::<u32>(1..=1 << 20))]
     pub rays: Option<u32>,
     /// Cells along an edge of a hemicube, even, from 16 to 4096, for hemicube and its variants [default: 256]
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = parse::resolution)]
@@ -69,7 +69,7 @@ pub struct FactorArgs {
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub element_size: Option<f32>,
     /// Cut faces into about so many parts, beyond one for each, instead [default: none for analytic, else 500]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = clap::value_parser!(u32).range(1..=parse::MAX_ELEMENTS))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
     pub elements: Option<u32>,
     /// Change the factors as little as closure (rows sum to 1) and reciprocity (A_i F_ij = A_j F_ji) allow; the report
     /// says how much that was. A row that loses up to 0.1 % to the sky, through its seams, loses nothing any more; more

@@ -60,7 +60,7 @@ pub struct GlobalArgs {
     #[arg(long, short, global = true, display_order = 901)]
     pub quiet: bool,
     /// Threads to compute with; the result does not depend on it [default: all]
-    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024), display_order = 902)]
+    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = parse::whole::<u16>(1..=1024), display_order = 902)]
     pub threads: Option<u16>,
 }
 
@@ -151,7 +151,7 @@ pub struct MeasureVerb {
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: Option<PathBuf>,
     /// Rays over the hemisphere of each point [default: 2048]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::whole::<u32>(1..=1 << 20))]
     pub gather_rays: Option<u32>,
     #[command(flatten)]
     pub solve: SolveArgs,
@@ -242,7 +242,7 @@ pub struct CompareVerb {
     #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
     /// Steps of each variant
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = parse::whole::<u64>(1..=1_000_000))]
     pub steps: u64,
     /// Solvers to compare [default: gathering,shooting,sorted-shooting,ambient-shooting]
     #[arg(long, value_name = "A,B,...", value_delimiter = ',', value_parser = parse::choice(&SolverKind::ALL, SolverKind::name))]

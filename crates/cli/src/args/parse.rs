@@ -5,10 +5,11 @@ use glam::Vec3;
 use hemicube::raster::Rgb;
 use hemicube::scene::options::{parse_named_rgb, parse_rgb};
 use hemicube::scene::scene::MAX_LIGHT;
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// Elements that a mesh may have.
-pub const MAX_ELEMENTS: i64 = hemicube::radiosity::patch::MAX_ELEMENTS as i64;
+pub const MAX_ELEMENTS: u64 = hemicube::radiosity::patch::MAX_ELEMENTS as u64;
 
 /// One of a few values, by name; help lists the names and errors propose one.
 pub fn choice<T: Copy + Send + Sync + 'static>(
@@ -19,6 +20,19 @@ pub fn choice<T: Copy + Send + Sync + 'static>(
         let found = all.iter().find(|&&value| name(value) == chosen);
         *found.expect("clap lets only the listed names pass")
     })
+}
+
+/// A whole number of a range
+pub fn whole<T: TryFrom<u64>>(
+    range: RangeInclusive<u64>,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| {
+        let number = text.trim().parse().ok().filter(|n| range.contains(n));
+        number.and_then(|n| T::try_from(n).ok()).ok_or_else(|| {
+            let (low, high) = range.clone().into_inner();
+            format!("'{text}' is not a whole number from {low} to {high}")
+        })
+    }
 }
 
 /// `X,Y,Z`

@@ -93,11 +93,12 @@ pub struct PictureArgs {
     /// Metals mirror if their roughness is below this, others are drawn matt, as the solution has them [default: 0.3]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = parse::share)]
     pub mirror_roughness: Option<f32>,
-    /// Picture of the surroundings (.hdr, .exr, .png or .jpg, 2:1) behind everything and in mirrors; it lights nothing
+    /// Map of the surroundings behind everything and in mirrors; it lights nothing. A panorama (2:1) or a cube in a
+    /// picture (.hdr, .exr, .png, .jpg or .webp), a folder of faces, or a name with {face} in it, see `environment`
     #[arg(long, value_name = "FILE")]
     pub environment_file: Option<PathBuf>,
     /// Rays over the hemisphere of each pixel of --shading gather [default: 256]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::whole::<u32>(1..=1 << 20))]
     pub gather_rays: Option<u32>,
 }
 

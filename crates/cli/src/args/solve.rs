@@ -103,13 +103,13 @@ pub struct MeshArgs {
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub element_size: Option<f32>,
     /// Elements to aim at instead of a size [default: 4000]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = clap::value_parser!(u32).range(1..=parse::MAX_ELEMENTS))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
     pub elements: Option<u32>,
     /// Longest edge of the patches that shoot light, in scene units (metres)
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub patch_size: Option<f32>,
     /// Patches to aim at instead of a size [default: 400]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = clap::value_parser!(u32).range(1..=parse::MAX_ELEMENTS))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
     pub patches: Option<u32>,
     /// Way to the form factors; gpu draws hemicubes on a GPU [default: raycast]
     #[arg(long, value_name = "METHOD", value_parser = parse::choice(&FactorWay::ALL, FactorWay::name))]
@@ -124,7 +124,7 @@ pub struct MeshArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::resolution)]
     pub hemicube_resolution: Option<u32>,
     /// Rays over each hemisphere, for raycast and nusselt, and for the light of sky and sun [default: 256]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::whole::<u32>(1..=1 << 20))]
     pub rays: Option<u32>,
     /// Seed of all sampling [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
@@ -154,7 +154,7 @@ pub struct SolveArgs {
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     pub time: Option<Duration>,
     /// Most memory in MiB for the matrix of solvers that work on one [default: 2048, or what is free if that is less]
-    #[arg(long, value_name = "MIB", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    #[arg(long, value_name = "MIB", allow_negative_numbers = true, value_parser = parse::whole::<u32>(1..=1 << 24))]
     pub matrix_memory: Option<u32>,
 }
 

@@ -4,13 +4,14 @@ use super::solution_of;
 use crate::args::{GlobalArgs, RenderVerb};
 use crate::failure::Failure;
 use crate::output::{Target, print, print_json};
-use crate::picture::{ENDINGS, View, check};
+use crate::picture::{ENDINGS, View, check, refuse_surroundings};
 use serde_json::json;
 use std::time::Instant;
 
 /// Draws the picture.
 pub fn run(args: &RenderVerb, global: GlobalArgs, start: Instant) -> Result<(), Failure> {
     let target = Target::check(&args.output, ENDINGS)?;
+    refuse_surroundings(&target, &args.picture)?;
     let solution = solution_of(
         &args.scene,
         &args.solve,

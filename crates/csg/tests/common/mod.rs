@@ -3,17 +3,18 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 use hemicube_csg::{Ray, Solid};
+use hemicube_raster::random::SplitMix64;
 
-/// A sequence of numbers in [0, 1) (SplitMix64).
-pub struct Numbers(pub u64);
+/// A sequence of numbers in [0, 1).
+pub struct Numbers(SplitMix64);
 
 impl Numbers {
+    pub fn new(seed: u64) -> Self {
+        Self(SplitMix64::new(seed))
+    }
+
     pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.unit64()
     }
 
     pub fn between(&mut self, low: f64, high: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! A checkerboard up to the horizon: every frequency there is, in one picture.
 
-use super::sheet::{Panel, sheet};
 use super::{named, picture_size};
+use crate::sheet::{Cell, sheet};
 use crate::{Exhibit, GalleryError, Piece, Request};
 use hemicube_raster::Rgb;
 use hemicube_raster::antialias::render;
@@ -27,7 +27,7 @@ const WAYS: [&str; 9] = [
 
 fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let (width, height) = picture_size(request, (384, 256))?;
-    let panels = WAYS.map(|name| {
+    let cells = WAYS.map(|name| {
         let antialiasing = named(name);
         let pattern = antialiasing.pattern.with_seed(request.seed);
         let picture = |x: f64, y: f64| color(x / width as f64, y / height as f64);
@@ -36,9 +36,9 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
             (width, height),
             antialiasing.with_pattern(pattern),
         );
-        Panel::new(image, &[name])
+        Cell::new(image, &[name])
     });
-    Ok(vec![Piece::sheet("", &sheet(&panels, 3))?])
+    Ok(vec![Piece::sheet("", &sheet(&cells, 3))?])
 }
 
 /// Squares on a floor below a horizon at a quarter of the height; x and y in parts of the picture.

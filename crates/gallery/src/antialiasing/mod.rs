@@ -4,7 +4,6 @@ mod coverage_error;
 mod filters;
 mod horizon;
 mod phrase;
-mod sheet;
 mod tiny_polygons;
 mod zone_plate;
 
@@ -31,13 +30,7 @@ fn picture_size(
     request: &Request,
     default: (usize, usize),
 ) -> Result<(usize, usize), GalleryError> {
-    let (width, height) = request.size.unwrap_or(default);
-    let why = match (width.min(height), width.max(height)) {
-        (..64, _) => "too small to see anything; ask for 64 or more in each direction",
-        (_, 8193..) => "larger than this exhibit is made for; ask for 8192 or less",
-        _ => return Ok((width, height)),
-    };
-    Err(GalleryError::Size { width, height, why })
+    crate::sheet::picture_size(request, default, 64..=8192)
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! A phrase set in a font: one sample per pixel, samples weighted, and the exact area of its letters.
 
-use super::sheet::{Panel, cropped, magnified, sheet};
 use super::{named, picture_size};
+use crate::sheet::{Cell, cropped, magnified, sheet};
 use crate::{Exhibit, GalleryError, Piece, Request};
 use glam::{DVec2, dvec2};
 use hemicube_raster::antialias::area::{Area, Outline, paint};
 use hemicube_raster::antialias::{Antialiasing, Supersampler};
+use hemicube_raster::io_error::in_words;
 use hemicube_raster::{Image, Rgb};
 use rayon::prelude::*;
 use skrifa::instance::{LocationRef, Size};
@@ -30,7 +31,7 @@ pub(super) const PHRASE_IN_FONT: Exhibit = Exhibit {
             path: path.clone(),
             why,
         };
-        let data = std::fs::read(path).map_err(|error| file(error.to_string()))?;
+        let data = std::fs::read(path).map_err(|error| file(in_words(&error)))?;
         draw(request, &data).map_err(|error| match error {
             GalleryError::File { why, .. } => file(why),
             other => other,
@@ -56,17 +57,17 @@ fn draw(request: &Request, font: &[u8]) -> Result<Vec<Piece>, GalleryError> {
     let supersampled = sampled(&outline, size, named("4x4:bartlett"));
     let side = width.min(height) / 8;
     let detail = [width / 12, height / 14, side, side];
-    let panel = |image: &Image<Rgb>, name: &str| {
+    let cell = |image: &Image<Rgb>, name: &str| {
         let large = magnified(&cropped(image, detail), (width / side).max(1));
         let magnified = format!("{name}, magnified");
         [
-            Panel::new(image.clone(), &[name]),
-            Panel::new(large, &[&magnified]),
+            Cell::new(image.clone(), &[name]),
+            Cell::new(large, &[&magnified]),
         ]
     };
-    let [a, b] = panel(&aliased, "one sample per pixel");
-    let [c, d] = panel(&supersampled, "4x4 samples, 7x7 Bartlett filter");
-    let [e, f] = panel(&exact, "exact area");
+    let [a, b] = cell(&aliased, "one sample per pixel");
+    let [c, d] = cell(&supersampled, "4x4 samples, 7x7 Bartlett filter");
+    let [e, f] = cell(&exact, "exact area");
     Ok(vec![
         Piece::picture("", &exact)?,
         Piece::picture("-aliased", &aliased)?,

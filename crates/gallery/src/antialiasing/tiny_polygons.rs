@@ -1,7 +1,7 @@
 //! Polygons smaller than a pixel, in motion: samples miss them or count them twice, areas do not.
 
-use super::sheet::{Panel, magnified, sheet};
 use super::{named, picture_size};
+use crate::sheet::{Cell, magnified, sheet};
 use crate::{Exhibit, GalleryError, Piece, Request};
 use glam::{DVec2, dvec2};
 use hemicube_chart::{Chart, Curve, Scale};
@@ -28,21 +28,18 @@ const WAYS: [&str; 3] = ["none", "2x2", "4x4:bartlett"];
 fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let (width, _) = picture_size(request, (192, 192))?;
     let times = (width / SIDE).max(1);
-    let mut panels = Vec::new();
+    let mut cells = Vec::new();
     for way in [Some("none"), Some("4x4:bartlett"), None] {
         for frame in SHOWN {
             let image = picture(frame, way.map(named));
             let name = way.unwrap_or("exact area");
             let moved = format!("moved {:.2} px", offset(frame).x);
             let light = format!("light {:.2}", total(&image));
-            panels.push(Panel::new(
-                magnified(&image, times),
-                &[name, &moved, &light],
-            ));
+            cells.push(Cell::new(magnified(&image, times), &[name, &moved, &light]));
         }
     }
     Ok(vec![
-        Piece::sheet("", &sheet(&panels, SHOWN.len()))?,
+        Piece::sheet("", &sheet(&cells, SHOWN.len()))?,
         Piece::chart("-light", &chart(), (900, 480)),
         Piece::csv("", table()),
     ])

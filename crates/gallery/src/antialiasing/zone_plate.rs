@@ -1,7 +1,7 @@
 //! Rings finer and finer: what each filter makes of frequencies that pixels cannot show.
 
-use super::sheet::{Panel, sheet};
 use super::{named, picture_size};
+use crate::sheet::{Cell, sheet};
 use crate::{Exhibit, GalleryError, Piece, Request};
 use hemicube_raster::Rgb;
 use hemicube_raster::antialias::accuracy::{zone_plate, zone_plate_error};
@@ -32,7 +32,7 @@ const WAYS: [&str; 12] = [
 
 fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let (side, _) = picture_size(request, (256, 256))?;
-    let mut panels = Vec::new();
+    let mut cells = Vec::new();
     let mut csv = String::from("antialiasing,moire_rms,contrast_kept\n");
     for name in WAYS {
         let antialiasing = seeded(named(name), request.seed);
@@ -41,11 +41,11 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         let image = render(&color, (side, side), antialiasing);
         let error = zone_plate_error(antialiasing, side);
         let figures = format!("moiré {:.3} kept {:.2}", error.moire, error.kept);
-        panels.push(Panel::new(image, &[name, &figures]));
+        cells.push(Cell::new(image, &[name, &figures]));
         let _ = writeln!(csv, "{name},{:.5},{:.5}", error.moire, error.kept);
     }
     Ok(vec![
-        Piece::sheet("", &sheet(&panels, 4))?,
+        Piece::sheet("", &sheet(&cells, 4))?,
         Piece::csv("", csv),
     ])
 }

@@ -1,11 +1,13 @@
 //! Light that glitters on a bumpy plane, near and far.
 
-use crate::stage::{Camera, Cell, Fragment, Grid, Mesh, Sampling, draw as draw_stage};
+use crate::sheet::{Cell, cell_size, sheet};
+use crate::stage::{Camera, Fragment, Mesh, Sampling, draw as draw_stage};
 use crate::{GalleryError, Piece, Request};
 use core::f32::consts::TAU;
 use glam::{Vec2, Vec3};
 use hemicube_chart::{Chart, Curve, Scale};
 use hemicube_raster::bump::{HeightMap, SlopeMoments, SlopePyramid};
+use hemicube_raster::random::SplitMix64;
 use hemicube_raster::reflection::BlinnPhong;
 use hemicube_raster::{Image, Rgb};
 use std::fmt::Write as _;
@@ -29,11 +31,11 @@ const TRUTH: usize = 12;
 const EXPOSURE: f32 = 0.35;
 
 pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
-    let grid = Grid::of_request(request, (1310, 330), (5, 1), 3)?;
+    let cell_size = cell_size(request, (1310, 330), (5, 1), 3)?;
     let water = Water::new(request.seed);
     let pictures: Vec<Image<Rgb>> = METHODS
         .iter()
-        .map(|(_, _, per_side, radiance)| water.picture(grid.cell, *per_side, *radiance))
+        .map(|(_, _, per_side, radiance)| water.picture(cell_size, *per_side, *radiance))
         .collect();
     let rows: Vec<Row> = rows(&pictures);
     let cells = METHODS.iter().zip(&pictures).enumerate();
@@ -54,7 +56,7 @@ pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         });
     let cells: Vec<Cell> = cells.collect();
     Ok(vec![
-        Piece::sheet("", &grid.lay_out(&cells))?,
+        Piece::sheet("", &sheet(&cells, 5))?,
         Piece::chart("-by-distance", &chart(&rows), (960, 520)),
         Piece::csv("", table(&rows)),
     ])
@@ -92,7 +94,7 @@ struct Water {
 impl Water {
     /// Forty waves of random directions, of 3 to 14 crests a tile.
     fn new(seed: u64) -> Self {
-        let mut random = SplitMix(seed);
+        let mut random = SplitMix64::new(seed);
         let waves: Vec<(Vec2, f32, f32)> = (0..40)
             .map(|_| {
                 let length = 3.0 + 11.0 * random.unit();
@@ -156,7 +158,7 @@ impl Water {
     fn scattered<const SEED: u64>(&self, f: &Fragment) -> f32 {
         let (texcoord, [dx, dy]) = Self::texcoord(f);
         let place = u64::from(texcoord.x.to_bits()) << 32 | u64::from(texcoord.y.to_bits());
-        let mut random = SplitMix(place ^ SEED << 60);
+        let mut random = SplitMix64::new(place ^ SEED << 60);
         let (right, down) = (random.unit() - 0.5, random.unit() - 0.5);
         let moved = texcoord + dx * right + dy * down;
         mirror(self.heights.sample(moved).slopes / TILE, EXPONENT, f)
@@ -189,19 +191,6 @@ fn mirror(slopes: Vec2, exponent: f32, f: &Fragment) -> f32 {
 fn half_vector(f: &Fragment) -> Vec3 {
     let sun = Vec3::new(0.0, 0.25, -1.0).normalize();
     (sun + f.view).normalize_or_zero()
-}
-
-/// Seeded numbers: SplitMix64 (Steele, Lea and Flood 2014).
-struct SplitMix(u64);
-
-impl SplitMix {
-    /// From 0 to 1.
-    fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) >> 40) as f32 / (1 << 24) as f32
-    }
 }
 
 /// A row of pixels: how far away the plane is there, the truth's mean radiance, and by how much each method is off: the

@@ -1,7 +1,8 @@
 //! One relief made in every way, beside the mesh that really has it.
 
 use super::{BACKGROUND, shaded};
-use crate::stage::{Camera, Cell, Fragment, Grid, Mesh, Sampling, Vertex, draw as draw_stage};
+use crate::sheet::{Cell, cell_size, sheet};
+use crate::stage::{Camera, Fragment, Mesh, Sampling, Vertex, draw as draw_stage};
 use crate::{GalleryError, Piece, Request};
 use core::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3};
@@ -26,34 +27,34 @@ fn golf_ball() -> GolfBall {
 type Normal<'a> = Box<dyn Fn(&Fragment) -> Vec3 + Sync + 'a>;
 
 pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
-    let grid = Grid::of_request(request, (1240, 660), (5, 2), 3)?;
+    let cell_size = cell_size(request, (1240, 660), (5, 2), 3)?;
     let sphere = Mesh::sphere(1.0, 128);
     let maps = Maps::new();
     let displaced = displaced();
-    let truth = normals(&displaced, grid.cell, &|f| f.normal);
+    let truth = normals(&displaced, cell_size, &|f| f.normal);
     let mut cells: Vec<Cell> = ways(&maps)
         .into_iter()
         .map(|(name, how, normal)| {
-            let error = mean_angle(&normals(&sphere, grid.cell, &normal), &truth);
+            let error = mean_angle(&normals(&sphere, cell_size, &normal), &truth);
             Cell {
-                image: picture(&sphere, grid.cell, &normal),
+                image: picture(&sphere, cell_size, &normal),
                 lines: lines(name, how, &format!("{error:.1} deg off")),
             }
         })
         .collect();
     cells.push(Cell {
-        image: picture(&displaced, grid.cell, &|f| f.normal),
+        image: picture(&displaced, cell_size, &|f| f.normal),
         lines: lines("displaced mesh", "real relief:", "a bumpy outline"),
     });
     for (name, how, more, normal) in procedural() {
         cells.push(Cell {
-            image: picture(&sphere, grid.cell, &normal),
+            image: picture(&sphere, cell_size, &normal),
             lines: lines(name, how, more),
         });
     }
     Ok(vec![
-        Piece::sheet("", &grid.lay_out(&cells))?,
-        magnified(grid.cell)?,
+        Piece::sheet("", &sheet(&cells, 5))?,
+        magnified(cell_size)?,
     ])
 }
 
@@ -269,7 +270,7 @@ fn magnified(cell: (usize, usize)) -> Result<Piece, GalleryError> {
             lines: lines("cubic B-spline", "smooth shading", ""),
         },
     ];
-    Piece::sheet("-magnified", &Grid::of_cells(2, cell, 2).lay_out(&cells))
+    Piece::sheet("-magnified", &sheet(&cells, 2))
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! A colour, a depth and a normal picture of one surface, put on in turn.
 
 use super::{BACKGROUND, shaded};
-use crate::stage::{Camera, Cell, Fragment, Grid, Mesh, Sampling, draw as draw_stage};
+use crate::sheet::{Cell, cell_size, sheet};
+use crate::stage::{Camera, Fragment, Mesh, Sampling, draw as draw_stage};
 use crate::{GalleryError, Piece, Request};
 use glam::{Quat, Vec2, Vec3};
 use hemicube_raster::bump::{
@@ -25,7 +26,7 @@ struct Textures {
 }
 
 pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
-    let grid = Grid::of_request(request, (1300, 400), (4, 1), 2)?;
+    let cell_size = cell_size(request, (1300, 400), (4, 1), 2)?;
     let textures = Textures::read(&request.files)?;
     let cube = Mesh::cube(1.0).moved(
         Quat::from_rotation_x(0.42) * Quat::from_rotation_y(0.7),
@@ -46,10 +47,10 @@ pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         ("parallax", "and the normal map", Textures::by_parallax),
     ];
     let cells = ways.map(|(name, how, shade)| Cell {
-        image: picture(&cube, grid.cell, |f| shade(&textures, f)),
+        image: picture(&cube, cell_size, |f| shade(&textures, f)),
         lines: vec![name.to_owned(), how.to_owned()],
     });
-    Ok(vec![Piece::sheet("", &grid.lay_out(&cells))?])
+    Ok(vec![Piece::sheet("", &sheet(&cells, 4))?])
 }
 
 type Shade = fn(&Textures, &Fragment) -> Rgb;

@@ -1,7 +1,8 @@
 //! Highlights by model and exponent.
 
 use super::{BACKGROUND, main_light};
-use crate::stage::{Camera, Cell, Grid, Mesh, Sampling, draw as draw_stage};
+use crate::sheet::{Cell, cell_size, sheet};
+use crate::stage::{Camera, Mesh, Sampling, draw as draw_stage};
 use crate::{GalleryError, Piece, Request};
 use glam::{Quat, Vec3};
 use hemicube_raster::Rgb;
@@ -30,13 +31,13 @@ const MODELS: [(&str, Model); 4] = [
 ];
 
 pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
-    let grid = Grid::of_request(request, (960, 1160), (4, 4), 2)?;
+    let cell_size = cell_size(request, (960, 1160), (4, 4), 2)?;
     let ring = Mesh::torus(0.86, 0.14, 128).moved(Quat::from_rotation_x(0.5), Vec3::ZERO);
     let meshes = [&Mesh::sphere(0.62, 128), &ring];
     let colors = [Rgb::new(0.35, 0.06, 0.05), Rgb::new(0.05, 0.12, 0.3)];
     let camera = Camera::new(Vec3::new(0.0, 0.0, 5.2), Vec3::ZERO, 24.0);
     let sampling = Sampling {
-        size: grid.cell,
+        size: cell_size,
         per_side: 2,
     };
     let mut cells = Vec::new();
@@ -55,7 +56,7 @@ pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
             });
         }
     }
-    Ok(vec![Piece::sheet("", &grid.lay_out(&cells))?])
+    Ok(vec![Piece::sheet("", &sheet(&cells, 4))?])
 }
 
 #[cfg(test)]

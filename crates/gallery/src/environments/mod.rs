@@ -7,10 +7,9 @@ mod sky;
 mod spheres;
 
 use crate::exhibit::{Exhibit, GalleryError, Request};
-use hemicube_raster::environment::{EnvironmentMap, projection_of_size};
-use hemicube_raster::image::{ReadOptions, open_picture};
+use crate::sheet::picture_size;
+use hemicube_raster::environment::{EnvironmentMap, open_map};
 use hemicube_raster::{Image, Rgb};
-use std::path::Path;
 
 /// The exhibits of this module.
 pub(crate) const EXHIBITS: &[Exhibit] = &[
@@ -22,7 +21,7 @@ pub(crate) const EXHIBITS: &[Exhibit] = &[
     },
     Exhibit {
         name: "environment-projections-file",
-        about: "the same of a panorama or a cube from a file",
+        about: "the same of a panorama or a cube from a file, or from the files of its faces (a folder, or a name with {face})",
         needs: &["panorama.hdr"],
         draw: projections::draw_file,
     },
@@ -34,7 +33,7 @@ pub(crate) const EXHIBITS: &[Exhibit] = &[
     },
     Exhibit {
         name: "environment-spheres-file",
-        about: "the same in a panorama or a cube from a file",
+        about: "the same in a panorama or a cube from a file, or from the files of its faces (a folder, or a name with {face})",
         needs: &["panorama.hdr"],
         draw: spheres::draw_file,
     },
@@ -54,43 +53,16 @@ pub(crate) const EXHIBITS: &[Exhibit] = &[
 
 /// The size of panels, checked.
 fn panel_size(request: &Request, default: (usize, usize)) -> Result<(usize, usize), GalleryError> {
-    let (width, height) = request.size.unwrap_or(default);
-    if !(64..=2048).contains(&width) || !(64..=2048).contains(&height) {
-        return Err(GalleryError::Size {
-            width,
-            height,
-            why: "panels are from 64 to 2048 pixels wide and high",
-        });
-    }
-    Ok((width, height))
+    picture_size(request, default, 64..=2048)
 }
 
-/// The environment in a file whose sides tell its projection.
-fn from_file(path: &Path) -> Result<EnvironmentMap, GalleryError> {
-    let failed = |why: String| GalleryError::File {
-        path: path.to_path_buf(),
-        why,
-    };
-    let file = open_picture(path, &ReadOptions::default()).map_err(|error| {
-        let name = format!("{}: ", path.display());
-        failed(error.to_string().replace(&name, ""))
-    })?;
-    let image = file.rgb();
-    let projection = projection_of_size(image.width(), image.height()).ok_or_else(|| {
-        failed(String::from(
-            "is no panorama of 2:1 and no cube of 4:3, 3:4, 6:1 or 1:6",
-        ))
-    })?;
-    EnvironmentMap::from_image(projection, &image).map_err(|error| failed(error.to_string()))
-}
-
-/// The file that an exhibit was given.
+/// The map that an exhibit was given: a picture, a folder of faces, or a name with `{face}` in it.
 fn file_of(request: &Request) -> Result<EnvironmentMap, GalleryError> {
     let path = request.files.first().ok_or_else(|| GalleryError::File {
         path: "panorama.hdr".into(),
         why: String::from("was not given"),
     })?;
-    from_file(path)
+    Ok(open_map(path, None)?.map)
 }
 
 /// Root of the mean squared difference of all bands, relative to the mean of the second picture.

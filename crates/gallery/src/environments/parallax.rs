@@ -2,17 +2,14 @@
 
 use super::{panel_size, relative_rms};
 use crate::exhibit::{GalleryError, Piece, Request};
+use crate::sheet::{Cell, sheet};
 use glam::Vec3;
-use hemicube_chart::{Canvas, label};
 use hemicube_raster::environment::{
     Bounds, Choice, EnvironmentMap, EnvironmentSet, Probe, Projection, reflected,
 };
 use hemicube_raster::{Image, Rgb};
 use rayon::prelude::*;
 use std::fmt::Write as _;
-
-const GAP: usize = 16;
-const CAPTION: usize = 44;
 
 /// Samples in each direction of a pixel.
 const SAMPLES: usize = 2;
@@ -46,32 +43,24 @@ pub fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     };
     let set = EnvironmentSet::new(PLACES.map(probe).to_vec());
     let truth = picture(width, height, matte);
-    let mut canvas = Canvas::new(GAP + 2 * (width + GAP), GAP + 2 * (height + CAPTION + GAP));
-    let mut put = |i: usize, lines: [String; 2], image: &Image<Rgb>| {
-        let left = GAP + (i % 2) * (width + GAP);
-        let top = GAP + (i / 2) * (height + CAPTION + GAP);
-        canvas.draw(&label(&lines, width, CAPTION), left, top);
-        canvas.paste(image, left, top + CAPTION);
-    };
     let mut table = String::from("lookup,relative_rms\n");
-    let words = [String::from("traced rays"), String::from("the truth")];
-    put(0, words, &truth);
+    let mut cells = vec![Cell::new(truth.clone(), &["traced rays", "the truth"])];
     let ways = [
         (Choice::Nearest, "nearest map"),
         (Choice::Blend, "two maps blended"),
         (Choice::BoxProjected, "blended and box-projected"),
     ];
-    for (i, (choice, name)) in ways.into_iter().enumerate() {
+    for (choice, name) in ways {
         let image = picture(width, height, |point, d| set.radiance(point, d, choice));
         let error = relative_rms(&image, &truth);
-        let _ = writeln!(table, "{name},{error}");
-        let lines = [
-            name.to_owned(),
-            format!("RMS error {:.1} % of mean", 100.0 * error),
-        ];
-        put(i + 1, lines, &image);
+        let _ = writeln!(table, "{name},{error:.6}");
+        let figures = format!("RMS error {:.1} % of mean", 100.0 * error);
+        cells.push(Cell::new(image, &[name, &figures]));
     }
-    Ok(vec![Piece::sheet("", &canvas)?, Piece::csv("", table)])
+    Ok(vec![
+        Piece::sheet("", &sheet(&cells, 2))?,
+        Piece::csv("", table),
+    ])
 }
 
 /// The room with ball and floor as mirrors; `mirrored` is what they show: light at a point from a direction.

@@ -2,9 +2,9 @@
 
 use super::{file_of, panel_size, relative_rms, sky};
 use crate::exhibit::{GalleryError, Piece, Request};
+use crate::sheet::{Cell, sheet};
 use core::f32::consts::PI;
 use glam::Vec3;
-use hemicube_chart::{Canvas, label};
 use hemicube_raster::environment::{
     EnvironmentMap, EnvironmentPyramid, Lobe, PrefilterOptions, PrefilteredEnvironment, Projection,
     reflected,
@@ -14,8 +14,6 @@ use hemicube_raster::{Image, Rgb};
 use rayon::prelude::*;
 
 const PANEL: (usize, usize) = (220, 220);
-const GAP: usize = 16;
-const CAPTION: usize = 44;
 const ROUGHNESSES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Slices of the balls whose vertices look the environment up; half as many stacks.
@@ -29,58 +27,47 @@ pub fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let (width, _) = panel_size(request, PANEL)?;
     let rows = width.clamp(64, 256);
     let source = EnvironmentMap::from_fn(Projection::Cube, rows, 2, sky::evening);
-    sheet(source, request)
+    balls(source, request)
 }
 
 /// What is in the file.
 pub fn draw_file(request: &Request) -> Result<Vec<Piece>, GalleryError> {
-    sheet(file_of(request)?, request)
+    balls(file_of(request)?, request)
 }
 
-fn sheet(source: EnvironmentMap, request: &Request) -> Result<Vec<Piece>, GalleryError> {
+fn balls(source: EnvironmentMap, request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let (width, height) = panel_size(request, PANEL)?;
     let side = width.min(height);
     let factor = Exposure::Auto.factor(source.texels().iter().map(|c| c.luminance()));
     let pyramid = EnvironmentPyramid::new(source);
     let columns = ROUGHNESSES.len();
-    let step = (side + GAP, side + CAPTION + GAP);
-    let mut canvas = Canvas::new(GAP + columns * step.0, GAP + 3 * step.1);
-    let mut put = |row: usize, column: usize, image: &Image<Rgb>, lines: [String; 2]| {
-        let (left, top) = (GAP + column * step.0, GAP + row * step.1);
-        canvas.draw(&label(&lines, side, CAPTION), left, top);
+    let mut cells = Vec::new();
+    let mut put = |image: &Image<Rgb>, lines: [&str; 2]| {
         let shown = image.map(|&color| ToneMap::default().apply(color, factor));
-        canvas.paste(&shown, left, top + CAPTION);
+        cells.push(Cell::new(shown, &lines));
     };
-    for (row, lobe) in [Lobe::Ggx, Lobe::Phong].into_iter().enumerate() {
+    for (name, lobe) in [("GGX", Lobe::Ggx), ("Phong, as wide", Lobe::Phong)] {
         let options = PrefilterOptions::default()
             .with_rows(side.clamp(32, 128))
             .with_levels(columns)
             .with_lobe(lobe);
         let blurred = PrefilteredEnvironment::new(&pyramid, &options);
-        for (column, roughness) in ROUGHNESSES.into_iter().enumerate() {
+        for roughness in ROUGHNESSES {
             let image = ball(side, |n| blurred.radiance(reflected(n, Vec3::Z), roughness));
-            let name = match lobe {
-                Lobe::Ggx => "GGX",
-                Lobe::Phong => "Phong",
-            };
-            let lines = [name.to_owned(), format!("roughness {roughness}")];
-            put(row, column, &image, lines);
+            put(&image, [name, &format!("roughness {roughness}")]);
         }
     }
     let look_up = |n: Vec3| pyramid.base().radiance(reflected(n, Vec3::Z));
     let truth = ball(side, look_up);
-    put(2, 0, &truth, [String::from("per pixel"), String::new()]);
-    for (column, slices) in SLICES.into_iter().enumerate() {
+    put(&truth, ["looked up per pixel", ""]);
+    for slices in SLICES {
         let vertices = Vertices::new(slices, look_up);
         let image = ball(side, |n| vertices.light(n));
         let error = 100.0 * relative_rms(&image, &truth);
-        let lines = [
-            format!("per vertex, {slices}"),
-            format!("RMS {error:.0} % of mean"),
-        ];
-        put(2, column + 1, &image, lines);
+        let name = format!("per vertex, {slices}");
+        put(&image, [&name, &format!("RMS {error:.0} % of mean")]);
     }
-    Ok(vec![Piece::sheet("", &canvas)?])
+    Ok(vec![Piece::sheet("", &sheet(&cells, columns))?])
 }
 
 /// A ball seen from far away at +z, before black; `light` is asked with normals.

@@ -1,12 +1,9 @@
-//! Triangles with something to look up at each pixel: an item buffer says which triangle is seen, barycentric
-//! coordinates and their exact derivatives say where on it.
+//! An eye from which a whole object is seen, and pictures of bare triangles from there.
 
-use glam::{DMat3, DMat4, DVec2, DVec3, Vec2, Vec3, Vec4};
-use hemicube_raster::antialias::{Antialiasing, Supersampler};
-use hemicube_raster::texture::TexcoordPlanes;
-use hemicube_raster::triangle::{Cull, DepthBuffer, Viewport, draw_ids};
+use crate::stage::{Hit, draw_hits};
+use glam::{DMat3, DMat4, DVec2, DVec3, Vec3, Vec4};
+use hemicube_raster::antialias::Antialiasing;
 use hemicube_raster::{Image, Rgb};
-use rayon::prelude::*;
 
 /// Where an object is seen from.
 #[derive(Debug, Clone, Copy)]
@@ -62,120 +59,25 @@ impl Eye {
     }
 }
 
-/// A place on a triangle that is seen in a pixel.
-#[derive(Debug, Clone, Copy)]
-pub struct Fragment {
-    /// Which triangle.
-    pub triangle: usize,
-    /// Where on it; they sum to 1.
-    pub barycentric: [f32; 3],
-    /// Their gradients on the screen, per pixel of the finished picture.
-    pub gradients: [Vec2; 3],
-}
-
-impl Fragment {
-    /// A number given at the corners, here; and its gradient per pixel.
-    pub fn interpolate(&self, corners: [f32; 3]) -> (f32, Vec2) {
-        let (mut value, mut gradient) = (0.0, Vec2::ZERO);
-        for (i, corner) in corners.into_iter().enumerate() {
-            value += self.barycentric[i] * corner;
-            gradient += self.gradients[i] * corner;
-        }
-        (value, gradient)
-    }
-
-    /// A point given at the corners, here.
-    pub fn place(&self, corners: [Vec3; 3]) -> Vec3 {
-        let [a, b, c] = self.barycentric;
-        corners[0] * a + corners[1] * b + corners[2] * c
-    }
-}
-
-/// Nothing was drawn to it.
-const BACKGROUND: u32 = u32::MAX;
-
-/// Rows of pixels that a thread draws at a time.
-const BAND: usize = 32;
-
-/// Draws triangles on a ground, both sides, antialiased: `shade` is asked at each sample.
+/// Draws triangles on a ground, both sides, antialiased: `shade` is asked at each sample, with barycentric coordinates in [0, 1]
+/// and gradients per pixel.
 pub fn draw(
     corners: &[[Vec3; 3]],
     eye: &Eye,
-    (width, height): (usize, usize),
+    size: (usize, usize),
     antialiasing: Antialiasing,
     ground: Rgb,
-    shade: impl Fn(&Fragment) -> Rgb + Sync,
+    shade: impl Fn(&Hit) -> Rgb + Sync,
 ) -> Image<Rgb> {
-    let grid = Supersampler::new(width, height, antialiasing);
     let clipped: Vec<[Vec4; 3]> = corners.iter().map(|t| t.map(|p| eye.clip(p))).collect();
-    let mut image = Image::filled(width, height, Rgb::BLACK);
-    let bands = image.pixels_mut().par_chunks_mut(BAND * width.max(1));
-    bands.enumerate().for_each(|(band, out)| {
-        let pixels = BAND * band..(BAND * (band + 1)).min(height);
-        let samples = samples(&clipped, &grid, grid.rows(pixels.clone()), ground, &shade);
-        grid.resolve(pixels, &samples, out);
-    });
-    image
-}
-
-/// Some rows of the grid of samples.
-fn samples(
-    clipped: &[[Vec4; 3]],
-    grid: &Supersampler,
-    rows: core::ops::Range<usize>,
-    ground: Rgb,
-    shade: &impl Fn(&Fragment) -> Rgb,
-) -> Vec<Rgb> {
-    let (width, height) = grid.size();
-    let viewport = Viewport::new(grid.columns(), grid.rows(0..height).end);
-    let count = rows.len() * viewport.width;
-    let mut depth = vec![DepthBuffer::EMPTY; count];
-    let mut ids = vec![BACKGROUND; count];
-    for (id, triangle) in (0..).zip(clipped) {
-        draw_ids(
-            rows.clone(),
-            viewport,
-            Cull::None,
-            triangle,
-            id,
-            &mut depth,
-            &mut ids,
-        );
-    }
-    let per_pixel = viewport.width as f32 / width.max(1) as f32;
-    let mut planes = (BACKGROUND, None);
-    let color = |(i, &id): (usize, &u32)| {
-        if id == BACKGROUND {
-            return ground;
-        }
-        if planes.0 != id {
-            planes = (id, barycentric_planes(viewport, &clipped[id as usize]));
-        }
-        let Some(planes) = &planes.1 else {
-            return ground;
-        };
-        let (x, y) = (i % viewport.width, rows.start + i / viewport.width);
-        let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-        shade(&fragment(id as usize, planes, pixel, per_pixel))
-    };
-    ids.iter().enumerate().map(color).collect()
-}
-
-fn barycentric_planes(viewport: Viewport, triangle: &[Vec4; 3]) -> Option<TexcoordPlanes> {
-    TexcoordPlanes::new(viewport, triangle, &[Vec2::ZERO, Vec2::X, Vec2::Y])
-}
-
-fn fragment(triangle: usize, planes: &TexcoordPlanes, pixel: DVec2, per_pixel: f32) -> Fragment {
-    let found = planes.at(pixel);
-    // Corners are snapped when drawn, so a centre on the border may lie a hair outside.
-    let (b, c) = (found.uv.x.clamp(0.0, 1.0), found.uv.y.clamp(0.0, 1.0));
-    let b_gradient = Vec2::new(found.ddx.x, found.ddy.x) * per_pixel;
-    let c_gradient = Vec2::new(found.ddx.y, found.ddy.y) * per_pixel;
-    Fragment {
-        triangle,
-        barycentric: [(1.0 - b - c).max(0.0), b, c],
-        gradients: [-b_gradient - c_gradient, b_gradient, c_gradient],
-    }
+    let per_pixel = antialiasing.factor.get() as f32;
+    draw_hits(&clipped, size, antialiasing, ground, |hit| {
+        let [_, b, c] = hit.barycentric.map(|share| share.clamp(0.0, 1.0));
+        shade(&Hit {
+            barycentric: [(1.0 - b - c).max(0.0), b, c],
+            ..hit.scaled(per_pixel)
+        })
+    })
 }
 
 #[cfg(test)]
@@ -203,7 +105,7 @@ mod tests {
             (100, 100),
             Antialiasing::NONE,
             Rgb::BLACK,
-            |f| {
+            |f: &Hit| {
                 let (x, change) = f.interpolate(square[f.triangle].map(|p| p.x));
                 Rgb::new(
                     x + 2.0,

@@ -1,11 +1,13 @@
 //! A field on finite elements: interpolated colours, and colours of interpolated values.
 
-use super::drawing::{Eye, Fragment, draw};
+use super::drawing::{Eye, draw};
 use super::outer_faces::{Face, outer_faces};
-use super::sheet::{antialiasing, round_down, sheet, short, size};
+use super::sheet::{SIDES, antialiasing, round_down, sheet, short};
 use super::vtk::Dataset;
 use super::{read, refuse};
 use crate::exhibit::{GalleryError, Piece, Request};
+use crate::sheet::picture_size;
+use crate::stage::Hit;
 use glam::{DVec3, Vec2, Vec3};
 use hemicube_raster::antialias::Antialiasing;
 use hemicube_raster::colormap::{Colormap, FieldPaint, Isolines, Oklab, Wireframe};
@@ -53,7 +55,7 @@ pub fn draw_exhibit(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let [path] = &request.files[..] else {
         return Err(refuse(Path::new("--file"), "give mesh.vtk"));
     };
-    let size = size(request, (520, 400))?;
+    let size = picture_size(request, (520, 400), SIDES)?;
     let dataset = Dataset::parse(&read(path)?).map_err(|why| refuse(path, why))?;
     let field = Field::new(&dataset).map_err(|why| refuse(path, why))?;
     let paint = field.paint();
@@ -167,7 +169,7 @@ impl Field {
             width: 1.4,
             color: Rgb::splat(0.25),
         };
-        let shade = |fragment: &Fragment| {
+        let shade = |fragment: &Hit| {
             let part = &self.parts[fragment.triangle];
             let ground = part.color(fragment, paint, interpolation);
             let edge = part.edge_coverage(fragment, &frame);
@@ -192,7 +194,7 @@ impl Field {
         // Out of reach of colours, to know the ground by.
         let ground = Rgb::splat(-1.0);
         let draw = |interpolation| {
-            let shade = |fragment: &Fragment| {
+            let shade = |fragment: &Hit| {
                 self.parts[fragment.triangle].color(fragment, &bare, interpolation)
             };
             draw(
@@ -226,7 +228,7 @@ fn printable(name: &str) -> String {
 }
 
 impl Part {
-    fn place(&self, fragment: &Fragment) -> Place {
+    fn place(&self, fragment: &Hit) -> Place {
         let (u, u_gradient) = fragment.interpolate(self.texcoords.map(|uv| uv[0]));
         let (v, v_gradient) = fragment.interpolate(self.texcoords.map(|uv| uv[1]));
         Place {
@@ -258,7 +260,7 @@ impl Part {
         }
     }
 
-    fn color(&self, fragment: &Fragment, paint: &FieldPaint, interpolation: Interpolation) -> Rgb {
+    fn color(&self, fragment: &Hit, paint: &FieldPaint, interpolation: Interpolation) -> Rgb {
         let place = self.place(fragment);
         let weighted = || self.weights(place).into_iter().zip(self.values);
         match interpolation {
@@ -273,7 +275,7 @@ impl Part {
         }
     }
 
-    fn edge_coverage(&self, fragment: &Fragment, frame: &Wireframe) -> f32 {
+    fn edge_coverage(&self, fragment: &Hit, frame: &Wireframe) -> f32 {
         if !self.is_quad {
             let changes = fragment.gradients.map(|gradient| gradient.length());
             return frame.triangle_coverage(fragment.barycentric, changes);

@@ -1,14 +1,17 @@
 //! The electrostatic potential on the surface of a molecule.
 
 use super::accessible_surface::{Balls, Mesh, PROBE};
-use super::drawing::{Eye, Fragment, draw};
+use super::drawing::{Eye, draw};
 use super::open_dx::Grid;
 use super::pqr::{self, Atom};
-use super::sheet::{antialiasing, round_down, sheet, short, size};
+use super::sheet::{SIDES, antialiasing, round_down, sheet, short};
 use super::{read, refuse};
 use crate::exhibit::{GalleryError, Piece, Request};
+use crate::sheet::picture_size;
+use crate::stage::Hit;
 use glam::{DVec3, Vec3};
 use hemicube_raster::colormap::{Colormap, FieldPaint, Isolines};
+use hemicube_raster::io_error::in_words;
 use hemicube_raster::{Image, Rgb};
 use rayon::prelude::*;
 use std::fs::File;
@@ -74,8 +77,8 @@ pub fn draw_with_grid(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         let why = "give atoms.pqr and potential.dx";
         return Err(refuse(Path::new("--file"), why));
     };
-    let size = size(request, SIZE)?;
-    let file = File::open(potential).map_err(|error| refuse(potential, error.to_string()))?;
+    let size = picture_size(request, SIZE, SIDES)?;
+    let file = File::open(potential).map_err(|error| refuse(potential, in_words(&error)))?;
     let grid = Grid::read(BufReader::new(file)).map_err(|why| refuse(potential, why))?;
     draw_molecule(atoms, &Potential::Grid(grid), size)
 }
@@ -85,7 +88,11 @@ pub fn draw_with_charges(request: &Request) -> Result<Vec<Piece>, GalleryError> 
     let [atoms] = &request.files[..] else {
         return Err(refuse(Path::new("--file"), "give atoms.pqr"));
     };
-    draw_molecule(atoms, &Potential::Charges, size(request, SIZE)?)
+    draw_molecule(
+        atoms,
+        &Potential::Charges,
+        picture_size(request, SIZE, SIDES)?,
+    )
 }
 
 const SIZE: (usize, usize) = (760, 640);
@@ -177,7 +184,7 @@ fn picture(
         .collect();
     let eye = Eye::around(&mesh.positions, best_side(mesh, values), size);
     let lamp = (eye.direction + DVec3::new(-0.4, 0.6, 0.0)).normalize_or(eye.direction);
-    let shade = |fragment: &Fragment| {
+    let shade = |fragment: &Hit| {
         let triangle = mesh.triangles[fragment.triangle];
         let (value, gradient) = fragment.interpolate(triangle.map(|i| values[i as usize]));
         let place = fragment.place(corners[fragment.triangle]).as_dvec3();
@@ -191,8 +198,6 @@ fn picture(
 /// Areas by mesh and by counting, and how much of the surface has a value.
 fn notes(balls: &Balls, mesh: &Mesh, values: &[f32], paint: &FieldPaint) -> Vec<String> {
     let counted = balls.counted_area(COUNTED_POINTS);
-    let known = values.iter().filter(|v| v.is_finite()).count();
-    let share = 100.0 * known as f64 / values.len().max(1) as f64;
     let lines = paint.isolines.map_or(0.0, |lines| lines.spacing);
     vec![
         format!(
@@ -201,11 +206,19 @@ fn notes(balls: &Balls, mesh: &Mesh, values: &[f32], paint: &FieldPaint) -> Vec<
             mesh.triangles.len()
         ),
         format!("{counted:.0} Å² counted with {COUNTED_POINTS} points a ball (Shrake and Rupley)."),
-        format!(
-            "A line every {}; known on {share:.0} % of the surface, grey elsewhere.",
-            short(lines.into())
-        ),
+        format!("A line every {}; {}.", short(lines.into()), extent(values)),
     ]
+}
+
+/// Where the potential is known.
+fn extent(values: &[f32]) -> String {
+    let known = values.iter().filter(|v| v.is_finite()).count();
+    if known == values.len() {
+        return String::from("known on the whole surface");
+    }
+    // Rounded, a small part would be all or nothing.
+    let share = (100.0 * known as f64 / values.len() as f64).clamp(0.1, 99.9);
+    format!("known on {share:.1} % of the surface, grey elsewhere")
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 //! Pictures of fields with their legend.
 
-use crate::exhibit::{GalleryError, Request};
 use hemicube_chart::{Anchor, Canvas, Drawing, label};
 use hemicube_raster::antialias::Antialiasing;
 use hemicube_raster::colormap::FieldPaint;
@@ -14,21 +13,11 @@ const BAR: usize = 20;
 const BELOW_BAR: usize = 28;
 
 /// Pixels in a direction that can be asked for.
-const SIDES: core::ops::RangeInclusive<usize> = 16..=2048;
+pub const SIDES: core::ops::RangeInclusive<usize> = 16..=2048;
 
 /// How all fields are sampled.
 pub fn antialiasing() -> Antialiasing {
     "3x3:bartlett".parse().unwrap_or_default()
-}
-
-/// Size of a picture, as asked for or as is usual.
-pub fn size(request: &Request, default: (usize, usize)) -> Result<(usize, usize), GalleryError> {
-    let (width, height) = request.size.unwrap_or(default);
-    if SIDES.contains(&width) && SIDES.contains(&height) {
-        return Ok((width, height));
-    }
-    let why = "ask for 16 to 2048 a side";
-    Err(GalleryError::Size { width, height, why })
 }
 
 /// Pictures side by side, each below its title, with one legend and some lines of text.

@@ -46,7 +46,11 @@ impl Sheet {
             .min(64);
         if cell == 0 {
             let why = "too small for its panels; ask for at least 640 x 360";
-            return Err(GalleryError::Size { width, height, why });
+            return Err(GalleryError::Size {
+                width,
+                height,
+                why: why.to_owned(),
+            });
         }
         let (width, height) = (
             panels * (columns * cell + MARGIN) + MARGIN,

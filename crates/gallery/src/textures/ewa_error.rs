@@ -1,8 +1,7 @@
 //! How the error of anisotropic filters falls with the anisotropy that they are allowed.
 
 use super::plane::{Plane, checks, rms};
-use super::sheet::size;
-use super::{Filter, Prefiltered};
+use super::{Filter, Prefiltered, size};
 use crate::{Exhibit, GalleryError, Piece, Request};
 use hemicube_chart::{Chart, Curve, Scale};
 use hemicube_raster::texture::{Minify, Sampler};

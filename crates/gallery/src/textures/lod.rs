@@ -1,12 +1,13 @@
 //! Which mip level each pixel of a plane reads, by rule, and the footprints of some pixels on the texture.
 
 use super::plane::{Plane, SIDE};
-use super::sheet::{Tile, picture, sheet, size};
+use super::size;
+use crate::sheet::{Cell, MARGIN, picture, sheet_above};
 use crate::{Exhibit, GalleryError, Piece, Request};
 use glam::Vec2;
 use hemicube_chart::{Anchor, Canvas, Drawing};
-use hemicube_raster::Rgb;
 use hemicube_raster::texture::{Footprint, Log2, Texcoord};
+use hemicube_raster::{Image, Rgb};
 
 pub(super) const EXHIBIT: Exhibit = Exhibit {
     name: "lod",
@@ -15,15 +16,26 @@ pub(super) const EXHIBIT: Exhibit = Exhibit {
     draw,
 };
 
-/// Colours of levels 0, 1, 2 and so on, again from the start after the last.
-const COLORS: [Rgb; 6] = [
+/// Colours of levels 0, 1, 2 and so on.
+const COLORS: [Rgb; LAST + 1] = [
     Rgb::new(0.85, 0.85, 0.85),
     Rgb::new(0.8, 0.1, 0.05),
     Rgb::new(0.9, 0.6, 0.05),
     Rgb::new(0.1, 0.5, 0.15),
     Rgb::new(0.05, 0.35, 0.75),
     Rgb::new(0.4, 0.1, 0.5),
+    Rgb::new(0.9, 0.45, 0.6),
+    Rgb::new(0.25, 0.1, 0.03),
+    Rgb::new(0.1, 0.55, 0.55),
+    Rgb::new(0.5, 0.6, 0.1),
+    Rgb::new(0.05, 0.05, 0.07),
 ];
+
+/// The level of one texel.
+const LAST: usize = SIDE.ilog2() as usize;
+
+/// Side of a square of the legend.
+const SWATCH: usize = 24;
 
 type Rule = (&'static str, fn(&Footprint) -> f32);
 
@@ -45,31 +57,22 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     };
     let first = levels(RULES[0].1);
     let start = plane.horizon() * width;
-    let tile = |(name, rule): Rule| {
+    let cell = |(name, rule): Rule| {
         let found = levels(rule);
         let most = found
             .iter()
             .zip(&first)
             .map(|(a, b)| a - b)
             .max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        Tile {
-            image: picture(width, height, |x, y| {
-                (y * width + x)
-                    .checked_sub(start)
-                    .map_or(Rgb::WHITE, |i| level_color(found[i]))
-            }),
-            lines: vec![
-                name.to_owned(),
-                format!(
-                    "against the first: at most {:+.3} levels",
-                    most.unwrap_or(0.0)
-                ),
-            ],
-        }
+        let image = picture(width, height, |x, y| {
+            (y * width + x)
+                .checked_sub(start)
+                .map_or(Rgb::WHITE, |i| level_color(found[i]))
+        });
+        Cell::new(image, &[name, &compared(most.unwrap_or(0.0))])
     };
-    let maps = sheet(&RULES.map(tile), 2);
     Ok(vec![
-        Piece::sheet("", &maps)?,
+        Piece::sheet("", &with_legend(&RULES.map(cell)))?,
         Piece::sheet("-footprints", &footprints(&plane, &pixels, width))?,
     ])
 }
@@ -78,17 +81,45 @@ fn footprint(at: &Texcoord) -> Footprint {
     Footprint::new(at.ddx, at.ddy, (SIDE, SIDE))
 }
 
+/// The maps of levels, and below them which colour means which level.
+fn with_legend(maps: &[Cell]) -> Canvas {
+    let (mut canvas, top) = sheet_above(maps, 2, 3 * SWATCH + MARGIN);
+    let names = (0..=LAST).map(|level| level.to_string());
+    for (level, name) in names.enumerate() {
+        let swatch = Image::filled(SWATCH, SWATCH, level_color(level as f32));
+        let left = MARGIN + level * (SWATCH + 4);
+        canvas.paste(&swatch, left, top);
+        let mut number = Drawing::new(SWATCH, SWATCH);
+        let middle = [0.5 * SWATCH as f64, 2.0];
+        number.text(middle, &name, Anchor::Middle, 16, [40; 3]);
+        canvas.draw(&number, left, top + SWATCH);
+    }
+    let words = format!("level; 0 has {SIDE} texels a side, each next one half as many");
+    let mut line = Drawing::new(8 * words.len() + 8, SWATCH);
+    line.text([0.0, 2.0], &words, Anchor::Start, 16, [40; 3]);
+    canvas.draw(&line, MARGIN, top + 2 * SWATCH);
+    canvas
+}
+
+/// How far the levels of a rule are from those of the first one, where it is farthest.
+fn compared(most: f32) -> String {
+    match most {
+        m if m.abs() < 5e-4 => String::from("with it the others are compared"),
+        m if m < 0.0 => format!("up to {:.2} levels finer", -m),
+        m => format!("up to {m:.2} levels coarser"),
+    }
+}
+
 /// The colours of the two levels around, blended as trilinear filtering does.
 fn level_color(lod: f32) -> Rgb {
-    let lod = lod.clamp(0.0, 10.0);
+    let lod = lod.clamp(0.0, LAST as f32);
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "in 0..=10"
+        reason = "a level"
     )]
     let level = lod.floor() as usize;
-    let color = |level: usize| COLORS[level % COLORS.len()];
-    color(level).lerp(color(level + 1), lod.fract())
+    COLORS[level].lerp(COLORS[(level + 1).min(LAST)], lod.fract())
 }
 
 /// Side of the drawing of footprints in pixels, and how many of its pixels a texel takes.
@@ -153,6 +184,18 @@ fn closed(drawing: &mut Drawing, points: &[Vec2], color: [u8; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn distances_are_told_in_words() {
+        assert_eq!(compared(-4.0), "up to 4.00 levels finer");
+        assert_eq!(compared(0.5), "up to 0.50 levels coarser");
+        for (i, &color) in COLORS.iter().enumerate() {
+            assert!(
+                !COLORS[..i].contains(&color),
+                "level {i} looks like another"
+            );
+        }
+    }
 
     #[test]
     fn rules_differ_as_they_must() {

@@ -1,6 +1,7 @@
 //! A small picture drawn large by five filters.
 
-use super::sheet::{Tile, picture, sheet, size};
+use super::size;
+use crate::sheet::{Cell, picture, sheet};
 use crate::{Exhibit, GalleryError, Piece, Request};
 use glam::Vec2;
 use hemicube_raster::texture::{Cubic, Magnify, Sampler, Texture, TextureOptions, Wrap};
@@ -28,16 +29,16 @@ const FILTERS: [(&str, Magnify); 5] = [
 fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let (width, height) = size(request, (300, 300))?;
     let texture = Texture::from_rgb(&badge(), &TextureOptions::default()).expect("it has texels");
-    let tile = |(name, magnify): (&str, Magnify)| {
+    let cell = |(name, magnify): (&str, Magnify)| {
         let image = enlarged(&texture, magnify, width, height);
         let (low, high) = range(&image);
         let lines = vec![
             String::from(name),
             format!("from {low:.3} to {high:.3} of {DARK} to {BRIGHT}"),
         ];
-        Tile { image, lines }
+        Cell { image, lines }
     };
-    Ok(vec![Piece::sheet("", &sheet(&FILTERS.map(tile), 3))?])
+    Ok(vec![Piece::sheet("", &sheet(&FILTERS.map(cell), 3))?])
 }
 
 /// A ring, a slanted bar, checks of one texel and a gradient: edges of all directions.

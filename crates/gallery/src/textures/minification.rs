@@ -1,8 +1,8 @@
 //! A chequered plane to the horizon by every filter, with its error against 4096 points per pixel.
 
 use super::plane::{Plane, checks, rms};
-use super::sheet::{Tile, sheet, size};
-use super::{Filter, Prefiltered};
+use super::{Filter, Prefiltered, size};
+use crate::sheet::{Cell, sheet};
 use crate::{Exhibit, GalleryError, Piece, Request};
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let plane = Plane::new(width, height);
     let (pixels, reference) = (plane.pixels(), plane.reference(POINTS));
     let texture = Prefiltered::new(&checks());
-    let (mut tiles, mut table) = (Vec::new(), String::from("filter,rms_error\n"));
+    let (mut cells, mut table) = (Vec::new(), String::from("filter,rms_error\n"));
     for (name, filter) in Filter::all() {
         let found: Vec<f32> = pixels
             .par_iter()
@@ -29,12 +29,12 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
             .collect();
         let error = rms(&found, &reference);
         table += &format!("\"{name}\",{error:.5}\n");
-        tiles.push(Tile {
+        cells.push(Cell {
             image: plane.picture(&found),
             lines: vec![String::from(name), format!("RMS error {error:.4}")],
         });
     }
-    tiles.push(Tile {
+    cells.push(Cell {
         image: plane.picture(&reference),
         lines: vec![
             String::from("reference"),
@@ -42,7 +42,7 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         ],
     });
     Ok(vec![
-        Piece::sheet("", &sheet(&tiles, 3))?,
+        Piece::sheet("", &sheet(&cells, 3))?,
         Piece::csv("", table),
     ])
 }

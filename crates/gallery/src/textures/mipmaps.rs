@@ -1,6 +1,7 @@
 //! Mip pyramids of one picture: made of light, and made of codes as so many programs do.
 
-use super::sheet::{Tile, picture, sheet, size};
+use super::size;
+use crate::sheet::{Cell, picture, sheet};
 use crate::{Exhibit, GalleryError, Piece, Request};
 use glam::Vec2;
 use hemicube_raster::color::{linear_from_srgb, srgb_from_linear};
@@ -28,7 +29,7 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
             table += &format!(",{:.5}", mean_light(&levels[level]));
         }
     }
-    let tile = |(name, levels): &(&str, Vec<Image<Rgb>>)| Tile {
+    let cell = |(name, levels): &(&str, Vec<Image<Rgb>>)| Cell {
         image: side_by_side(levels),
         lines: vec![
             (*name).to_owned(),
@@ -39,9 +40,9 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
             ),
         ],
     };
-    let tiles: Vec<Tile> = pyramids.iter().map(tile).collect();
+    let cells: Vec<Cell> = pyramids.iter().map(cell).collect();
     Ok(vec![
-        Piece::sheet("", &sheet(&tiles, 1))?,
+        Piece::sheet("", &sheet(&cells, 1))?,
         Piece::csv("", table + "\n"),
     ])
 }

@@ -6,11 +6,10 @@ mod magnification;
 mod minification;
 mod mipmaps;
 mod plane;
-mod sheet;
 mod shimmer;
 mod wrap_modes;
 
-use crate::Exhibit;
+use crate::{Exhibit, GalleryError, Request};
 use hemicube_raster::texture::{
     Minify, Ripmap, Sampler, SummedAreaTable, Texcoord, Texture, TextureOptions,
 };
@@ -25,6 +24,11 @@ pub(crate) const EXHIBITS: &[Exhibit] = &[
     ewa_error::EXHIBIT,
     shimmer::EXHIBIT,
 ];
+
+/// The size asked for, or the usual one.
+fn size(request: &Request, usual: (usize, usize)) -> Result<(usize, usize), GalleryError> {
+    crate::sheet::picture_size(request, usual, 16..=2048)
+}
 
 /// A texture in all forms that a filter may want.
 struct Prefiltered {

@@ -18,7 +18,7 @@ const SKY: Rgb = Rgb::new(0.55, 0.7, 0.9);
 /// The texture.
 pub(super) fn checks() -> Image<Rgb> {
     let cell = SIDE / CHECKS;
-    super::sheet::picture(SIDE, SIDE, |x, y| {
+    crate::sheet::picture(SIDE, SIDE, |x, y| {
         Rgb::splat(if (x / cell + y / cell).is_multiple_of(2) {
             BRIGHT
         } else {
@@ -138,7 +138,7 @@ impl Plane {
     /// A picture of values below the horizon.
     pub(super) fn picture(&self, values: &[f32]) -> Image<Rgb> {
         let start = self.horizon() * self.width;
-        super::sheet::picture(self.width, self.height, |x, y| {
+        crate::sheet::picture(self.width, self.height, |x, y| {
             (y * self.width + x)
                 .checked_sub(start)
                 .map_or(SKY, |i| Rgb::splat(values[i]))

@@ -1,8 +1,7 @@
 //! Shimmering in numbers: how much a picture changes from frame to frame while the eye moves slowly.
 
 use super::plane::{Plane, checks, rms};
-use super::sheet::size;
-use super::{Filter, Prefiltered};
+use super::{Filter, Prefiltered, size};
 use crate::{Exhibit, GalleryError, Piece, Request};
 use glam::DVec2;
 use hemicube_chart::{Chart, Curve, Scale};

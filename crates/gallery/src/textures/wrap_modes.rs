@@ -1,6 +1,7 @@
 //! What lies around a texture, by rule of addressing.
 
-use super::sheet::{Tile, picture, sheet, size};
+use super::size;
+use crate::sheet::{Cell, picture, sheet};
 use crate::{Exhibit, GalleryError, Piece, Request};
 use glam::{Vec2, Vec4};
 use hemicube_raster::texture::{Magnify, Sampler, Texture, TextureOptions, Wrap};
@@ -19,14 +20,14 @@ const BORDER: Vec4 = Vec4::new(0.8, 0.1, 0.5, 1.0);
 fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let (width, height) = size(request, (300, 300))?;
     let texture = Texture::from_rgb(&arrow(), &TextureOptions::default()).expect("it has texels");
-    let tile = |wrap: Wrap| Tile {
+    let cell = |wrap: Wrap| Cell {
         image: around(&texture, wrap, width, height),
         lines: vec![
             name(wrap).to_owned(),
             String::from("frame: the texture itself"),
         ],
     };
-    Ok(vec![Piece::sheet("", &sheet(&Wrap::ALL.map(tile), 3))?])
+    Ok(vec![Piece::sheet("", &sheet(&Wrap::ALL.map(cell), 3))?])
 }
 
 fn name(wrap: Wrap) -> &'static str {

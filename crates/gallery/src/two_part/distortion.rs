@@ -2,7 +2,8 @@
 
 use super::mapping::BACKGROUND;
 use super::{camera, pairs, surface_point};
-use crate::stage::{Camera, Cell, Grid, Mesh, Sampling, draw as draw_stage};
+use crate::sheet::{Cell, cell_size, sheet};
+use crate::stage::{Camera, Mesh, Sampling, draw as draw_stage};
 use crate::{GalleryError, Piece, Request};
 use glam::{Vec2, Vec3};
 use hemicube_chart::Canvas;
@@ -14,23 +15,23 @@ use std::fmt::Write as _;
 const BARE: Rgb = Rgb::splat(0.2);
 
 pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
-    let grid = Grid::of_request(request, (1080, 1760), (4, 5), 3)?;
+    let cell_size = cell_size(request, (1080, 1760), (4, 5), 3)?;
     let vase = Mesh::vase(192);
     let all: Vec<_> = pairs()
         .map(|(names, mapping)| (names, mapping, summary(&vase, &mapping)))
         .collect();
-    let sheet = |color: fn(&Distortion) -> Rgb, text: fn(&DistortionSummary) -> [f64; 3]| {
+    let of_all = |color: fn(&Distortion) -> Rgb, text: fn(&DistortionSummary) -> [f64; 3]| {
         let cells = all.iter().map(|([s, o], mapping, summary)| {
             let figures = summary.as_ref().map_or_else(
                 || String::from("no texture anywhere"),
                 |summary| figures(text(summary)),
             );
             Cell {
-                image: picture(&vase, mapping, grid.cell, color),
+                image: picture(&vase, mapping, cell_size, color),
                 lines: vec![(*s).to_owned(), (*o).to_owned(), figures],
             }
         });
-        grid.lay_out(&cells.collect::<Vec<_>>())
+        sheet(&cells.collect::<Vec<_>>(), 4)
     };
     let mut table = String::from(
         "intermediate surface,object map,mapped share,area min,area mean,area max,anisotropy min,anisotropy mean,anisotropy max\n",
@@ -45,8 +46,8 @@ pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         );
     }
     Ok(vec![
-        Piece::sheet("-area", &sheet(area_color, |d| d.area))?,
-        Piece::sheet("-anisotropy", &sheet(anisotropy_color, |d| d.anisotropy))?,
+        Piece::sheet("-area", &of_all(area_color, |d| d.area))?,
+        Piece::sheet("-anisotropy", &of_all(anisotropy_color, |d| d.anisotropy))?,
         Piece::sheet("-legend", &legend())?,
         Piece::csv("", table),
     ])
@@ -60,10 +61,6 @@ fn legend() -> Canvas {
         Image::from_pixels(SIZE.0, SIZE.1, (0..SIZE.0 * SIZE.1).map(shade).collect())
             .expect("a colour for each pixel")
     };
-    let cell = |image, lines: [&str; 3]| Cell {
-        image,
-        lines: lines.map(str::to_owned).to_vec(),
-    };
     let area = ramp(area_color, |share| Distortion {
         major: 16.0_f64.powf(2.0 * share - 1.0),
         minor: 1.0,
@@ -74,27 +71,29 @@ fn legend() -> Canvas {
     });
     let figures = "figures: smallest | geometric mean | largest";
     let cells = [
-        cell(
+        Cell::new(
             area,
-            [
+            &[
                 "texture area on the surface",
                 "1/16 to 16, white: 1",
                 figures,
             ],
         ),
-        cell(
+        Cell::new(
             anisotropy,
-            ["anisotropy", "1 to 16 times as long as wide", figures],
+            &["anisotropy", "1 to 16 times as long as wide", figures],
         ),
     ];
-    Grid::of_cells(1, SIZE, 3).lay_out(&cells)
+    sheet(&cells, 1)
 }
 
 /// Smallest, mean and largest.
 fn figures([low, mean, high]: [f64; 3]) -> String {
     let short = |x: f64| {
         if x.is_infinite() || x >= 1e4 {
-            String::from("1e4+")
+            String::from(">10000")
+        } else if x < 0.01 {
+            String::from("<0.01")
         } else if x < 10.0 {
             format!("{x:.2}")
         } else {

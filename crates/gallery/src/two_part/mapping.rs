@@ -2,7 +2,8 @@
 
 use super::card::card;
 use super::{camera, pairs, surface_point};
-use crate::stage::{Camera, Cell, Fragment, Grid, Mesh, Sampling, draw as draw_stage};
+use crate::sheet::{Cell, cell_size, sheet};
+use crate::stage::{Camera, Fragment, Mesh, Sampling, draw as draw_stage};
 use crate::{GalleryError, Piece, Request};
 use glam::{Vec2, Vec3};
 use hemicube_chart::Canvas;
@@ -19,16 +20,16 @@ pub(super) const BACKGROUND: Rgb = Rgb::splat(0.93);
 const FIELD: f32 = 0.5;
 
 pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
-    let grid = Grid::of_request(request, (1080, 1660), (4, 5), 2)?;
+    let cell_size = cell_size(request, (1080, 1660), (4, 5), 2)?;
     let vase = Mesh::vase(96);
     let cell = |([s, o], mapping): ([&str; 2], TwoPart)| Cell {
-        image: textured(&vase, &mapping, grid.cell),
+        image: textured(&vase, &mapping, cell_size),
         lines: vec![s.to_owned(), o.to_owned()],
     };
     let cells: Vec<Cell> = pairs().map(cell).collect();
     Ok(vec![
-        Piece::sheet("", &grid.lay_out(&cells))?,
-        Piece::sheet("-seam", &seam(&vase, grid.cell))?,
+        Piece::sheet("", &sheet(&cells, 4))?,
+        Piece::sheet("-seam", &seam(&vase, cell_size))?,
     ])
 }
 
@@ -56,17 +57,12 @@ fn seam(vase: &Mesh, size: (usize, usize)) -> Canvas {
             next.map_or(Vec2::ZERO, |(texcoord, _)| texcoord - here.texcoord)
         })
     };
-    let cell = |image, lines: [&str; 2]| Cell {
-        image,
-        lines: lines.map(str::to_owned).to_vec(),
-    };
-    Grid::of_cells(2, size, 2).lay_out(&[
-        cell(picture(&naive), ["differences", "a line at the seam"]),
-        cell(
-            picture(&|_, mapped| mapped.d_texcoord),
-            ["derivatives", "no line"],
-        ),
-    ])
+    let exact = |_: &SurfacePoint, mapped: &Mapped| mapped.d_texcoord;
+    let cells = [
+        Cell::new(picture(&naive), &["differences", "a line at the seam"]),
+        Cell::new(picture(&exact), &["derivatives", "no line"]),
+    ];
+    sheet(&cells, 2)
 }
 
 /// The vase with the card of the mapping's surface, in light from the upper left.

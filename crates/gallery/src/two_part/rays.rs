@@ -23,7 +23,11 @@ pub(super) fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let cell = (width / 4).min(height / 4);
     if cell < 40 || width.max(height) > 1 << 14 {
         let why = "16 sections need at least 160 x 160 pixels, and a side has at most 16384";
-        return Err(GalleryError::Size { width, height, why });
+        return Err(GalleryError::Size {
+            width,
+            height,
+            why: why.to_owned(),
+        });
     }
     let mut drawing = Drawing::new(width, height);
     // One of the spheres: both have the same lines.

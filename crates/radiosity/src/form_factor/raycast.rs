@@ -15,7 +15,8 @@
 use crate::form_factor::analytic::unoccluded::Rules;
 use crate::form_factor::polygon::{FlatPolygon, facing_parts};
 use crate::form_factor::{FormFactors, Row};
-use crate::patch::exposure::ExposedArea;
+use crate::patch::exposure::ExposedParts;
+use crate::patch::face::Side;
 use crate::patch::{NodeId, NodeKind, PatchMesh, Polygon};
 use crate::sampling::{cosine_direction, hash, point4, polygon_point};
 use crate::visibility::{Hit, Visibility};
@@ -167,9 +168,8 @@ impl RayCast {
             row.fractions.extend(fractions);
         }
         let nothing_between = found.iter().all(|(_, pair)| pair.visible == Rgb::WHITE);
-        let is_exact = nothing_between && from.exposed.is_empty();
-        let (backs, outside, rays) = self.probe(from);
-        close(&self.mesh, row, is_exact, backs, outside, rays);
+        let is_exact = nothing_between && from.exposed.is_none();
+        close(&self.mesh, row, is_exact, &self.probe(from));
     }
 
     /// `F_Pe` in each band.
@@ -220,37 +220,36 @@ impl RayCast {
         }
     }
 
-    /// Shares of light that arrive at backs and nowhere, per band, and the number of rays that tell so.
-    fn probe(&self, from: &Shooter) -> (Rgb, Rgb, u32) {
+    fn probe(&self, from: &Shooter) -> Lost {
         let rays = self.options.rays.clamp(64, MAX_PROBE_RAYS);
         let visibility = self.mesh.visibility();
-        let tallies = self.cast(from, rays, |backs: &mut Rgb, hit, taken| {
-            if !visibility.receives(hit.face, hit.side) {
-                *backs += taken;
-            }
-        });
-        let (backs, outside) = tallies
-            .into_iter()
-            .fold((Rgb::BLACK, Rgb::BLACK), |sum, (backs, escaped)| {
-                (sum.0 + backs, sum.1 + escaped)
-            });
-        (backs, outside, rays)
-    }
-
-    /// What [`Self::probe`] tells of a node, in one band.
-    pub(super) fn lost(&self, source: NodeId) -> Lost {
-        let (backs, outside, rays) = self.probe(&Shooter::new(&self.mesh, source));
-        Lost {
-            absorbed: f64::from(backs[0]),
-            escaped: f64::from(outside[0]),
+        let tallies = self.cast(
+            from,
             rays,
+            |backs: &mut Vec<(usize, Side, Rgb)>, hit, taken| {
+                if !visibility.receives(hit.face, hit.side) {
+                    backs.push((hit.face, hit.side, taken));
+                }
+            },
+        );
+        let mut lost = Lost {
+            absorbed: Rgb::BLACK,
+            escaped: Rgb::BLACK,
+            rays,
+            backs: Vec::new(),
+        };
+        for (backs, escaped) in tallies {
+            lost.escaped += escaped;
+            lost.absorbed += backs.iter().map(|&(_, _, taken)| taken).sum();
+            lost.backs
+                .extend(backs.iter().map(|&(face, side, _)| (face, side)));
         }
+        lost
     }
 
-    /// Makes a row of received factors account for everything; see the end of the module's page.
-    pub(super) fn close_row(&self, source: NodeId, is_exact: bool, row: &mut Row) {
-        let (backs, outside, rays) = self.probe(&Shooter::new(&self.mesh, source));
-        close(&self.mesh, row, is_exact, backs, outside, rays);
+    /// What probing rays tell of a node.
+    pub(super) fn lost(&self, source: NodeId) -> Lost {
+        self.probe(&Shooter::new(&self.mesh, source))
     }
 
     /// Casts cosine-distributed rays from a patch; `meet` adds what a surface keeps of a ray to the chunk's tally.
@@ -321,7 +320,13 @@ impl RayCast {
                     if kept > 1e-6 { taken[band] / kept } else { 0.0 }
                 }));
         }
-        close(mesh, row, false, absorbed, escaped, rays);
+        let lost = Lost {
+            absorbed,
+            escaped,
+            rays,
+            backs: Vec::new(),
+        };
+        close(mesh, row, false, &lost);
     }
 }
 
@@ -369,32 +374,51 @@ impl FormFactors for RayCast {
 }
 
 /// Shares of what leaves a node that no element receives, as rays saw them.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Lost {
     /// Arrives at sides that only absorb.
-    pub absorbed: f64,
+    pub absorbed: Rgb,
     /// Meets nothing.
-    pub escaped: f64,
+    pub escaped: Rgb,
     /// Rays that tell so.
     pub rays: u32,
+    /// The sides that only absorb which rays met, one for each ray; not of shots.
+    pub backs: Vec<(usize, Side)>,
 }
 
 impl Lost {
-    /// Sky and absorbed share of a row of which `received` is known far better than these are: the rest, as far as it is
-    /// what the rays saw within five standard errors and a fiftieth, because of buried parts; nothing if they saw
+    /// What is lost of one band of a row of which `received` is known far better than from these rays: the rest, as far as
+    /// it is what they saw within five standard errors and a fiftieth, because of buried parts; nothing if they saw
     /// nothing lost.
-    pub fn beside(&self, received: f64) -> (f64, f64) {
-        let lost = self.absorbed + self.escaped;
+    pub fn beside(&self, received: f64) -> f64 {
+        let lost = f64::from(self.absorbed[0] + self.escaped[0]);
         if lost <= 0.0 {
-            return (0.0, 0.0);
+            return 0.0;
         }
-        let one_ray = 1.0 / f64::from(self.rays);
-        let error = (lost * (1.0 - lost).max(one_ray) * one_ray).sqrt();
-        let reach = 5.0 * error + 0.02;
-        let rest = (1.0 - received)
+        let reach = self.reach(lost);
+        (1.0 - received)
             .clamp(lost - reach, lost + reach)
-            .clamp(0.0, 1.0);
-        (rest * self.escaped / lost, rest * self.absorbed / lost)
+            .clamp(0.0, 1.0)
+    }
+
+    /// Of that rest what sides that only absorb take: `exact` if it is known and the rays do not speak against it, else as
+    /// much of the rest as of the lost rays; all of it if no ray escaped.
+    pub fn to_backs(&self, rest: f64, exact: Option<f64>) -> f64 {
+        let (absorbed, escaped) = (f64::from(self.absorbed[0]), f64::from(self.escaped[0]));
+        let by_rays = rest * absorbed / (absorbed + escaped).max(1e-30);
+        match exact {
+            Some(exact) if escaped > 0.0 && (exact - absorbed).abs() <= self.reach(absorbed) => {
+                exact.min(rest)
+            }
+            _ => by_rays,
+        }
+    }
+
+    /// How far a share may be from the one that rays saw.
+    fn reach(&self, share: f64) -> f64 {
+        let one_ray = 1.0 / f64::from(self.rays);
+        let error = (share.max(one_ray) * (1.0 - share).max(one_ray) * one_ray).sqrt();
+        5.0 * error + 0.02
     }
 }
 
@@ -437,8 +461,8 @@ pub(crate) struct Shooter {
     area: f64,
     /// Keeps the kernel finite where both points meet: the area over π, as in the disk approximation.
     kernel_floor: f32,
-    /// Its elements with running sums of their exposed areas, if a part of it is buried.
-    exposed: Vec<(f32, ExposedArea)>,
+    /// What of it is exposed, if a part of it is buried.
+    exposed: Option<ExposedParts>,
 }
 
 impl Shooter {
@@ -447,7 +471,7 @@ impl Shooter {
         let polygon = mesh.polygon(id);
         let flat = FlatPolygon::new(&polygon, node.normal);
         let area = flat.area().max(1e-30);
-        let exposed = exposed_parts(mesh, id);
+        let exposed = ExposedParts::of(mesh, id);
         Self {
             id,
             polygon,
@@ -461,17 +485,11 @@ impl Shooter {
 
     /// A point of the exposed part for one of the unit square.
     pub(super) fn point(&self, [u, v]: [f32; 2]) -> Vec3 {
-        let Some(&(total, _)) = self.exposed.last() else {
+        let Some(exposed) = &self.exposed else {
             return polygon_point(&self.polygon, [u, v]);
         };
-        let wanted = u * total;
-        let i = self
-            .exposed
-            .partition_point(|&(sum, _)| sum <= wanted)
-            .min(self.exposed.len() - 1);
-        let start = if i == 0 { 0.0 } else { self.exposed[i - 1].0 };
-        let within = (wanted - start) / (self.exposed[i].0 - start).max(1e-30);
-        self.exposed[i].1.point([within.clamp(0.0, 0.999_999), v])
+        let (part, within) = exposed.at(u);
+        part.point([within, v])
     }
 
     /// Whether one polygon lies wholly behind the other's plane, up to rounding.
@@ -495,30 +513,6 @@ pub(crate) fn kernel(offset: Vec3, [from, to]: [Vec3; 2]) -> f32 {
     let squared = offset.length_squared();
     let cosines = (offset.dot(from) * -offset.dot(to)).max(0.0);
     cosines / (squared * squared).max(f32::MIN_POSITIVE)
-}
-
-/// The exposed elements of a patch with running sums of their areas; empty if all of it is exposed, or none.
-fn exposed_parts(mesh: &PatchMesh, id: NodeId) -> Vec<(f32, ExposedArea)> {
-    let Some(patch) = mesh.patch_of_node(id) else {
-        return Vec::new();
-    };
-    let elements = mesh.elements_of_patch(patch);
-    if elements
-        .clone()
-        .all(|e| mesh.exposed_area(e) == mesh.node(mesh.elements()[e]).area)
-    {
-        return Vec::new();
-    }
-    let mut sum = 0.0;
-    let parts = elements
-        .map(|e| mesh.exposed(e))
-        .filter(|part| part.area() > 0.0);
-    parts
-        .map(|part| {
-            sum += part.area();
-            (sum, part)
-        })
-        .collect()
 }
 
 /// `1 + E / B̄` of each patch, where `B̄ = Σ E A / (1 - ρ̄) Σ A` is what the mean radiosity of a closed scene would be.
@@ -547,8 +541,8 @@ fn brightness(mesh: &PatchMesh, total_area: f64) -> Vec<f64> {
     (0..mesh.patches().len()).map(of_patch).collect()
 }
 
-/// Makes a row account for everything. What is not received goes to backs and outside in proportion to what `rays`
-/// rays saw there; where it differs from that by more than a standard error, or where they saw nothing lost, the
+/// Makes a row account for everything. What is not received goes to backs and outside in proportion to what rays
+/// saw there; where it differs from that by more than a standard error, or where they saw nothing lost, the
 /// factors are scaled.
 ///
 /// By more than one standard error, if that is large beside what the factors of occluded pairs may be off by: a few rays that
@@ -556,12 +550,15 @@ fn brightness(mesh: &PatchMesh, total_area: f64) -> Vec<f64> {
 ///
 /// Factors between which there is nothing (`is_exact`) say better what is lost than the rays: they may differ by five
 /// standard errors, and have their gap even where no ray found it, unless it is a narrow one.
-fn close(mesh: &PatchMesh, row: &mut Row, is_exact: bool, backs: Rgb, outside: Rgb, rays: u32) {
+pub(super) fn close(mesh: &PatchMesh, row: &mut Row, is_exact: bool, seen: &Lost) {
     let n = row.receivers.len();
-    let one_ray = 1.0 / f64::from(rays);
+    let one_ray = 1.0 / f64::from(seen.rays);
     for band in 0..row.bands {
         let received = row.sum(mesh, band);
-        let (back, out) = (f64::from(backs[band]), f64::from(outside[band]));
+        let (back, out) = (
+            f64::from(seen.absorbed[band]),
+            f64::from(seen.escaped[band]),
+        );
         let lost = (back + out).min(1.0);
         let error = (lost.max(one_ray) * (1.0 - lost).max(one_ray) * one_ray).sqrt();
         let gap = 1.0 - received;

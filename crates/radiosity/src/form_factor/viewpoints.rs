@@ -5,6 +5,7 @@
 //! exposed elements.
 
 use crate::error::RadiosityError;
+use crate::patch::exposure::ExposedParts;
 use crate::patch::{NodeId, PatchMesh};
 use crate::sampling::{hash, point2};
 use glam::Vec3;
@@ -75,16 +76,13 @@ impl Viewpoints {
         let node = mesh.node(source);
         let polygon = mesh.polygon(source);
         let side = self.points_per_side(source);
-        let parts = exposed_parts(mesh, source);
-        let points = match (parts.last(), side) {
-            (Some(&(total, _)), _) => {
+        let points = match (ExposedParts::of(mesh, source), side) {
+            (Some(parts), _) => {
                 // Points that happen to lie close to the solid see it too large; more of them even that out.
                 let count = 4 * (side * side).max(4).min(self.max_points);
                 let stratum = |i: u32| {
-                    let wanted = total * (i as f32 + 0.5) / count as f32;
-                    let part = parts.partition_point(|&(sum, _)| sum <= wanted);
-                    let (_, element) = parts[part.min(parts.len() - 1)];
-                    let point = mesh.exposed(element).point(point2(i, u64::from(source.0)));
+                    let (part, _) = parts.at((i as f32 + 0.5) / count as f32);
+                    let point = part.point(point2(i, u64::from(source.0)));
                     (point, 1.0 / f64::from(count))
                 };
                 (0..count).map(stratum).collect()
@@ -195,26 +193,6 @@ fn gauss_points(polygon: &[Vec3], rule: &[(f32, f64)]) -> Vec<(Vec3, f64)> {
     let sum: f64 = points.iter().map(|&(_, weight)| weight).sum();
     points.iter_mut().for_each(|(_, weight)| *weight /= sum);
     points
-}
-
-/// Elements of a patch with running sums of their exposed areas; empty if all of it is exposed, or none.
-fn exposed_parts(mesh: &PatchMesh, id: NodeId) -> Vec<(f32, usize)> {
-    let Some(patch) = mesh.patch_of_node(id) else {
-        return Vec::new();
-    };
-    let elements = mesh.elements_of_patch(patch);
-    let is_whole = |e: usize| mesh.exposed_area(e) == mesh.node(mesh.elements()[e]).area;
-    if elements.clone().all(is_whole) {
-        return Vec::new();
-    }
-    let mut sum = 0.0;
-    elements
-        .filter(|&e| mesh.exposed_area(e) > 0.0)
-        .map(|e| {
-            sum += mesh.exposed_area(e);
-            (sum, e)
-        })
-        .collect()
 }
 
 /// Distance from a point to a planar convex polygon.

@@ -92,6 +92,49 @@ impl ExposedArea {
     }
 }
 
+/// The exposed parts of a patch's elements, to take points from, each by its area.
+#[derive(Debug)]
+pub struct ExposedParts {
+    /// With running sums of the areas.
+    parts: Vec<(f32, ExposedArea)>,
+}
+
+impl ExposedParts {
+    /// Of a patch of which something is buried; `None` if all of it is exposed, or nothing, and for other nodes.
+    pub fn of(mesh: &PatchMesh, id: NodeId) -> Option<Self> {
+        let elements = mesh.elements_of_patch(mesh.patch_of_node(id)?);
+        let is_whole = |e: usize| mesh.exposed_area(e) == mesh.node(mesh.elements()[e]).area;
+        if elements.clone().all(is_whole) {
+            return None;
+        }
+        let mut sum = 0.0;
+        let exposed = elements
+            .map(|e| mesh.exposed(e))
+            .filter(|part| part.area() > 0.0);
+        let parts: Vec<(f32, ExposedArea)> = exposed
+            .map(|part| {
+                sum += part.area();
+                (sum, part)
+            })
+            .collect();
+        (!parts.is_empty()).then_some(Self { parts })
+    }
+
+    /// The part at a share of the area, and how much of that part lies before it, in [0, 1).
+    pub fn at(&self, share: f32) -> (&ExposedArea, f32) {
+        let last = self.parts.len() - 1;
+        let wanted = share * self.parts[last].0;
+        let i = self
+            .parts
+            .partition_point(|&(sum, _)| sum <= wanted)
+            .min(last);
+        let start = if i == 0 { 0.0 } else { self.parts[i - 1].0 };
+        let (end, part) = &self.parts[i];
+        let within = (wanted - start) / (end - start).max(1e-30);
+        (part, within.clamp(0.0, 0.999_999))
+    }
+}
+
 /// One of `count` for a number in [0, 1).
 #[expect(
     clippy::cast_possible_truncation,

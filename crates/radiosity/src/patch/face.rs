@@ -27,7 +27,7 @@ pub struct WorldFace {
 }
 
 /// One of the two sides of a face.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Side {
     /// The side from which the corners run counter-clockwise.
     Front,

@@ -1,6 +1,7 @@
 //! Weights that combine samples into pixels.
 
 use super::Factor;
+use crate::sinc::sinc;
 use core::f64::consts::{PI, TAU};
 
 /// How the samples around a pixel's centre are weighted; the same in both directions, so a filter is separable.
@@ -74,7 +75,7 @@ impl Filter {
                 let [a, b, c, d] = BLACKMAN_HARRIS;
                 a - b * phase.cos() + c * (2.0 * phase).cos() - d * (3.0 * phase).cos()
             }
-            Self::Lanczos => sinc(x) * sinc(x / 3.0),
+            Self::Lanczos => sinc(PI * x) * sinc(PI * x / 3.0),
         }
     }
 
@@ -120,12 +121,6 @@ impl Filter {
         let taps = weights.iter().enumerate();
         taps.map(|(tap, w)| w * (phase(tap) / k).cos()).sum()
     }
-}
-
-/// `sin(pi x) / (pi x)`.
-fn sinc(x: f64) -> f64 {
-    let x = PI * x;
-    if x.abs() < 1e-8 { 1.0 } else { x.sin() / x }
 }
 
 #[cfg(test)]

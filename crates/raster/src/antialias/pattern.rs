@@ -1,5 +1,7 @@
 //! Where the samples of a picture lie.
 
+use crate::random::{GOLDEN, mix};
+
 /// How samples are moved away from the points of their grid.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Pattern {
@@ -55,16 +57,10 @@ fn signed_unit(bits: u64) -> f64 {
     (bits as f64 + 0.5) / f64::from(1_u32 << 31) - 1.0
 }
 
-/// A hash of a seed and two numbers: the finaliser of splitmix64 (Steele et al. 2014) after each of them.
+/// A hash of a seed and two numbers, mixed after each of them.
 fn hash(seed: u64, column: u64, row: u64) -> u64 {
-    let step = |state: u64, value: u64| mix(state.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ value);
+    let step = |state: u64, value: u64| mix(state.wrapping_add(GOLDEN) ^ value);
     step(step(mix(seed), column), row)
-}
-
-fn mix(mut z: u64) -> u64 {
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@
 //! All are formulated over `z = cos θ`, without an angle where none is needed.
 
 use super::solid_angle::{Disc, of_rectangle_in_disc};
+use crate::sinc::{sinc, sinc32};
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
@@ -24,16 +25,6 @@ pub(super) enum Kind {
     Paraboloid,
     Fisheye,
     Hemispherical,
-}
-
-/// `sin x / x`
-fn sinc(x: f32) -> f32 {
-    if x.abs() < 1e-4 { 1.0 } else { x.sin() / x }
-}
-
-/// `sin x / x`
-fn sinc64(x: f64) -> f64 {
-    if x.abs() < 1e-8 { 1.0 } else { x.sin() / x }
 }
 
 impl Kind {
@@ -129,9 +120,9 @@ impl Kind {
         // sin θ / r and cos θ
         let (shrink, z) = match self {
             Self::Sphere => (2.0 * (1.0 - square).max(0.0).sqrt(), 1.0 - 2.0 * square),
-            Self::Angular => (PI * sinc(PI * r), (PI * r).cos()),
+            Self::Angular => (PI * sinc32(PI * r), (PI * r).cos()),
             Self::Paraboloid => (2.0 / (1.0 + square), (1.0 - square) / (1.0 + square)),
-            Self::Fisheye => (PI / 2.0 * sinc(PI / 2.0 * r), (PI / 2.0 * r).cos()),
+            Self::Fisheye => (PI / 2.0 * sinc32(PI / 2.0 * r), (PI / 2.0 * r).cos()),
             Self::Hemispherical => (1.0, (1.0 - square).max(0.0).sqrt()),
         };
         Vec3::new(right * shrink * p.x, -shrink * p.y, axis * z).normalize()
@@ -143,9 +134,9 @@ impl Kind {
         let r = square.sqrt();
         4.0 * match self {
             Self::Sphere => 4.0,
-            Self::Angular => PI * PI * sinc(PI * r),
+            Self::Angular => PI * PI * sinc32(PI * r),
             Self::Paraboloid => 4.0 / (1.0 + square).powi(2),
-            Self::Fisheye => (PI / 2.0).powi(2) * sinc(PI / 2.0 * r),
+            Self::Fisheye => (PI / 2.0).powi(2) * sinc32(PI / 2.0 * r),
             Self::Hemispherical => (1.0 - square).max(1e-6).sqrt().recip(),
         }
     }
@@ -162,9 +153,9 @@ impl Disc for Kind {
         use core::f64::consts::PI;
         match self {
             Self::Sphere => 2.0,
-            Self::Angular => PI * PI / 2.0 * sinc64(PI / 2.0 * r).powi(2),
+            Self::Angular => PI * PI / 2.0 * sinc(PI / 2.0 * r).powi(2),
             Self::Paraboloid => 2.0 / (1.0 + r * r),
-            Self::Fisheye => PI * PI / 8.0 * sinc64(PI / 4.0 * r).powi(2),
+            Self::Fisheye => PI * PI / 8.0 * sinc(PI / 4.0 * r).powi(2),
             Self::Hemispherical => 1.0 / (1.0 + (1.0 - r * r).max(0.0).sqrt()),
         }
     }

@@ -121,7 +121,8 @@ impl EnvironmentMap {
         Ok(Self::of_texels(projection, width, height, texels))
     }
 
-    /// A map of a function of the direction, the mean of `samples × samples` values in each texel; rows in parallel.
+    /// A map of a function of the direction, the mean of `samples × samples` values in each texel; rows in parallel. What
+    /// lies outside the disc of a sphere, angular or fisheye map is black.
     ///
     /// `rows` of a face are clamped to 1 to 8192, `samples` to 1 to 64.
     pub fn from_fn(
@@ -133,6 +134,9 @@ impl EnvironmentMap {
         let (width, height) = projection.face_size(rows.clamp(1, MAX_SIDE / 2));
         let samples = samples.clamp(1, 64);
         let texel = |face, x, y| {
+            if !projection.shows((width, height), x, y) {
+                return Rgb::BLACK;
+            }
             let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
             for i in 0..samples * samples {
                 let share = Vec2::new((i % samples) as f32, (i / samples) as f32) + 0.5;

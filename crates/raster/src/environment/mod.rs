@@ -3,7 +3,8 @@
 //! [`EnvironmentMap`] is a map in one of eight projections ([`Projection`]); it is looked up by direction, bilinearly and
 //! without seams. [`convert`] brings it into another projection and keeps its light. [`EnvironmentPyramid`] has its mip
 //! levels, [`PrefilteredEnvironment`] its reflection in rougher and rougher surfaces, [`SphericalHarmonics`] its irradiance
-//! in nine numbers, [`highlights`] those of lamps. [`EnvironmentSet`] holds maps of several places in a room.
+//! in nine numbers, [`highlights`] those of lamps. [`EnvironmentSet`] holds maps of several places in a room. [`open_map`]
+//! reads a map from its files.
 //!
 //! ```
 //! use glam::Vec3;
@@ -35,6 +36,7 @@ mod latlong;
 mod layout;
 mod map;
 mod octahedral;
+mod open;
 mod prefilter;
 mod projection;
 mod pyramid;
@@ -43,10 +45,11 @@ mod solid_angle;
 
 pub use convert::{Conversion, ConvertOptions, convert, matching_rows};
 pub use cube::FACE_NAMES;
-pub use harmonics::{SphericalHarmonics, irradiance_by_texels};
+pub use harmonics::{IrradianceSum, SphericalHarmonics};
 pub use highlight::{DistantLight, highlights};
 pub use layout::{Layout, projection_of_size};
 pub use map::{EnvironmentError, EnvironmentMap, reflected};
+pub use open::{FACE_PLACEHOLDER, Flaw, HALF_NAMES, MapFile, OpenMapError, map_files, open_map};
 pub use prefilter::{Lobe, PrefilterOptions, PrefilteredEnvironment};
 pub use projection::{ParseProjectionError, Projection};
 pub use pyramid::EnvironmentPyramid;

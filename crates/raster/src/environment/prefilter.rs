@@ -2,6 +2,7 @@
 
 use super::{EnvironmentMap, EnvironmentPyramid, Projection};
 use crate::Rgb;
+use crate::random::hammersley;
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
@@ -12,7 +13,14 @@ pub enum Lobe {
     /// lobe is round, and does not stretch towards grazing views as a real one does.
     #[default]
     Ggx,
-    /// Cosine of the angle to the mirrored direction, to a power (Phong 1975): `2 / roughness⁴ - 2`, which is about as wide.
+    /// Cosine of the angle to the mirrored direction, to a power (Phong 1975), as wide as GGX of the same roughness.
+    ///
+    /// The width of a lobe `w` is the solid angle `∫ w dω / w(1)` that it would fill at the height of its peak: a small lamp
+    /// is mirrored as bright by both. With `c` the cosine and `h² = (1 + c) / 2` that of half the angle, GGX has `w = c /
+    /// (1 + (α² - 1) h²)²`, which integrates to `2π I / α⁴`, and `cosⁿ` fills `2π / (n + 1)`. So `n = 1 / (α⁴ I) - 1`. For a
+    /// small α this comes near `1 / (2 α²)`, a quarter of Blinn's exponent `2 / α²`, since the angle to the mirrored
+    /// direction is twice that between the normal and the half vector; at roughness 1 both lobes are the cosine itself. GGX
+    /// is narrower in its middle and has the longer tails.
     Phong,
 }
 
@@ -65,8 +73,18 @@ impl Lobe {
 /// Below it the lobe is narrower than a texel of any map.
 const MIN_ROUGHNESS: f32 = 0.02;
 
+/// Phong's exponent for the width of GGX, see [`Lobe::Phong`].
 fn phong_power(roughness: f32) -> f32 {
-    (2.0 / roughness.powi(4) - 2.0).max(0.0)
+    let square = f64::from(roughness).powi(4);
+    // The denominator of GGX is (a + b c)².
+    let (a, b) = ((1.0 + square) / 2.0, (square - 1.0) / 2.0);
+    if b > -1e-4 {
+        return 1.0;
+    }
+    let integral = ((square / a).ln() - b / square) / (b * b);
+    #[expect(clippy::cast_possible_truncation, reason = "an exponent below 1e7")]
+    let power = (1.0 / (square * square * integral) - 1.0) as f32;
+    power
 }
 
 /// How maps are blurred.
@@ -221,10 +239,7 @@ struct LobeSample {
 /// Points of Hammersley in the lobe; those below the horizon do not count.
 fn lobe_samples(lobe: Lobe, roughness: f32, count: u32) -> Vec<LobeSample> {
     let sample = |i: u32| {
-        // Van der Corput's number has its digits mirrored, 24 of which a float keeps.
-        let mirrored = (i.reverse_bits() >> 8) as f32 / (1_u32 << 24) as f32;
-        let u = Vec2::new(mirrored, (i as f32 + 0.5) / count as f32);
-        let (direction, density) = lobe.sample(roughness, u);
+        let (direction, density) = lobe.sample(roughness, hammersley(i, count));
         let weight = match lobe {
             Lobe::Ggx => direction.z,
             Lobe::Phong => 1.0,

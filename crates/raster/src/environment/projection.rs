@@ -164,6 +164,20 @@ impl Projection {
         self.solid_angle(ends(x, width), ends(y, height))
     }
 
+    /// Whether any direction falls on a texel: not outside the disc of a sphere, angular or fisheye map. The halves of a
+    /// paraboloid go on over their rim.
+    pub(super) fn shows(self, (width, height): (usize, usize), x: usize, y: usize) -> bool {
+        if self.faces() != 1 || self.disc().is_none() {
+            return true;
+        }
+        // Of the point of the texel that is nearest to the middle of the disc, which has the radius 1.
+        let of =
+            |i: usize, n: usize| (2 * i).abs_diff(n).min((2 * i + 2).abs_diff(n)) as f32 / n as f32;
+        let is_middle = |i: usize, n: usize| 2 * i < n && n < 2 * i + 2;
+        let along = |i: usize, n: usize| if is_middle(i, n) { 0.0 } else { of(i, n) };
+        along(x, width).hypot(along(y, height)) < 1.0
+    }
+
     /// The texel that a column and a row mean which may lie outside a face: the neighbour on the sphere. `None` at the
     /// corners of a cube, where there is no fourth texel.
     pub(super) fn neighbour(

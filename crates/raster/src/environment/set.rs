@@ -19,8 +19,16 @@ impl Bounds {
         point.cmpge(self.low).all() && point.cmple(self.high).all()
     }
 
+    /// Direction from a place in the box to what a ray from another point of it meets there: box projection (Lagarde and
+    /// Zanuttini 2012), exact for bare walls. The ray's own direction for a point outside, and for one that leads nowhere.
+    #[inline]
+    pub fn projected(&self, place: Vec3, point: Vec3, direction: Vec3) -> Vec3 {
+        let wall = self.exit(point, direction);
+        wall.map_or(direction, |wall| wall - place)
+    }
+
     /// Where a ray from inside leaves it; `None` for a point outside, and for a direction that leads nowhere.
-    fn exit(&self, point: Vec3, direction: Vec3) -> Option<Vec3> {
+    pub fn exit(&self, point: Vec3, direction: Vec3) -> Option<Vec3> {
         if !self.contains(point) {
             return None;
         }
@@ -54,11 +62,12 @@ pub struct Probe {
 impl Probe {
     /// What is seen from a point in a direction, as far as this probe knows.
     ///
-    /// In its room the ray is followed to the wall and looked up in the direction from the probe to there: box projection
-    /// (Lagarde and Zanuttini 2012), exact for bare walls. Elsewhere everything is taken to be far away.
+    /// In its room the ray is followed to the wall and looked up in the direction from the probe to there
+    /// ([`Bounds::projected`]). Elsewhere everything is taken to be far away.
     pub fn radiance(&self, point: Vec3, direction: Vec3) -> Rgb {
-        let hit = self.room.and_then(|room| room.exit(point, direction));
-        let seen = hit.map_or(direction, |hit| hit - self.position);
+        let seen = self.room.map_or(direction, |room| {
+            room.projected(self.position, point, direction)
+        });
         self.map.radiance(seen)
     }
 }

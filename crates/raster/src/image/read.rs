@@ -173,7 +173,7 @@ impl Picture {
 #[non_exhaustive]
 pub enum ReadError {
     /// The file could not be opened or read.
-    #[error("{0}")]
+    #[error("{}", crate::io_error::in_words(.0))]
     Io(#[from] std::io::Error),
     /// The first bytes are of no format that is read here.
     #[error("is no picture that can be read; give a .png, .jpg, .webp, .hdr or .exr file")]

@@ -8,6 +8,7 @@
 use super::chain::{Alpha, TextureOptions};
 use super::texel::{Level, Texel};
 use super::wrap::Wrap;
+use crate::sinc::sinc;
 use core::f64::consts::PI;
 use glam::Vec4;
 
@@ -109,20 +110,11 @@ fn push_windowed_sinc(
         let x = (source as f64 - centre) / scale;
         let window = match filter {
             MipFilter::Kaiser => kaiser(x / REACH),
-            _ => sinc(x / REACH),
+            _ => sinc(PI * x / REACH),
         };
         if let Some(texel) = wrap.index(source, from) {
-            taps.push((texel, (sinc(x) * window) as f32));
+            taps.push((texel, (sinc(PI * x) * window) as f32));
         }
-    }
-}
-
-/// `sin(pi x) / (pi x)`
-fn sinc(x: f64) -> f64 {
-    if x == 0.0 {
-        1.0
-    } else {
-        (PI * x).sin() / (PI * x)
     }
 }
 

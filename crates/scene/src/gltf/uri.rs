@@ -3,6 +3,7 @@
 use base64::Engine as _;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use hemicube_raster::io_error::in_words;
 use percent_encoding::percent_decode_str;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
@@ -93,7 +94,7 @@ pub fn unread(name: &str, error: &io::Error) -> String {
         io::ErrorKind::NotFound => {
             format!("'{}' is not there; put it beside this file", short(name))
         }
-        _ => format!("'{}': {error}", short(name)),
+        _ => format!("'{}': {}", short(name), in_words(error)),
     }
 }
 

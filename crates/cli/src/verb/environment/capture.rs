@@ -7,13 +7,10 @@ use crate::failure::Failure;
 use crate::output::{print, print_json};
 use crate::progress::Bar;
 use crate::verb::solution_of;
-use core::f32::consts::FRAC_PI_2;
-use glam::Vec3;
 use hemicube::radiosity::Solution;
 use hemicube::raster::environment::{ConvertOptions, EnvironmentMap, Projection, convert};
 use hemicube::raster::{Image, Rgb};
-use hemicube::render::{RenderOptions, Renderer};
-use hemicube::scene::Camera;
+use hemicube::render::{RenderOptions, Renderer, face_camera};
 use serde_json::json;
 use std::time::Instant;
 
@@ -65,13 +62,8 @@ fn capture(
     .with_size(task.size as usize, task.size as usize);
     let bar = Bar::new("drawing", global.quiet);
     let mut faces: Vec<Image<Rgb>> = Vec::new();
-    for (face, (forward, up)) in VIEWS.into_iter().enumerate() {
-        let camera = Camera::looking_at("face", task.at, task.at + forward, up, FRAC_PI_2);
-        let camera = Camera {
-            forward,
-            up,
-            ..camera
-        };
+    for face in 0..6 {
+        let camera = face_camera(task.at, face);
         let progress = |share: f64| bar.show((face as f64 + share) / 6.0, String::new);
         let renderer = Renderer::new(solution, &camera, &options)?.with_progress(&progress);
         faces.push(renderer.linear());
@@ -79,13 +71,3 @@ fn capture(
     EnvironmentMap::new(Projection::Cube, &faces)
         .map_err(|error| Failure::Failed(format!("{}: {error}", task.scene.display())))
 }
-
-/// Where the camera of each face looks, and what is up in its picture.
-const VIEWS: [(Vec3, Vec3); 6] = [
-    (Vec3::X, Vec3::Y),
-    (Vec3::NEG_X, Vec3::Y),
-    (Vec3::Y, Vec3::Z),
-    (Vec3::NEG_Y, Vec3::NEG_Z),
-    (Vec3::NEG_Z, Vec3::Y),
-    (Vec3::Z, Vec3::Y),
-];

@@ -4,9 +4,9 @@ use crate::args::TonesArgs;
 use crate::failure::Failure;
 use crate::output::{Target, write_together};
 use hemicube::raster::environment::{
-    EnvironmentError, EnvironmentMap, FACE_NAMES, Layout, Projection, projection_of_size,
+    EnvironmentMap, FACE_NAMES, FACE_PLACEHOLDER, HALF_NAMES, Layout, MapFile, OpenMapError,
+    Projection, map_files, open_map,
 };
-use hemicube::raster::image::{Picture, ReadOptions, open_picture};
 use hemicube::raster::tonemap::{Exposure, ToneMap};
 use hemicube::raster::{Image, Rgb};
 use std::io::Cursor;
@@ -15,128 +15,29 @@ use std::path::{Path, PathBuf};
 /// Endings of pictures that can be written.
 const WRITTEN: &[&str] = &["hdr", "exr", "png"];
 
-/// Endings of pictures that a folder of faces may have.
-const READ: [&str; 6] = ["hdr", "exr", "png", "jpg", "jpeg", "webp"];
-
-/// What stands for the name of a face in a file's name.
-const PLACEHOLDER: &str = "{face}";
-
-/// Names of the two halves of a paraboloid.
-const HALVES: [&str; 2] = ["front", "back"];
-
-/// Names under which the six faces of a cube are found, in the order of [`FACE_NAMES`].
-const SCHEMES: [[&str; 6]; 3] = [
-    FACE_NAMES,
-    ["posx", "negx", "posy", "negy", "posz", "negz"],
-    ["right", "left", "top", "bottom", "front", "back"],
-];
-
-/// A map that was read.
-#[derive(Debug)]
-pub struct Loaded {
-    pub map: EnvironmentMap,
-    /// Whether its pictures had 8 bits a sample, of sRGB.
-    pub is_8_bit: bool,
-}
-
 /// Reads a map; `from` is what the user says it is.
-pub fn read(path: &Path, from: Option<Projection>) -> Result<Loaded, Failure> {
-    let faces = if path.to_string_lossy().contains(PLACEHOLDER) {
-        Some(of_pattern(path, from)?)
-    } else if path.is_dir() {
-        Some(of_folder(path)?)
-    } else {
-        None
-    };
-    let of_map = |error: EnvironmentError| Failure::Failed(format!("{}: {error}", path.display()));
-    let options = ReadOptions::default();
-    let Some(files) = faces else {
-        let picture = open_picture(path, &options)?;
-        let projection = match from {
-            Some(projection) => projection,
-            None => guessed(path, &picture)?,
-        };
-        return Ok(Loaded {
-            map: EnvironmentMap::from_image(projection, &picture.rgb()).map_err(of_map)?,
-            is_8_bit: picture.is_8_bit(),
-        });
-    };
-    let projection = if files.len() == 2 {
-        Projection::Paraboloid
-    } else {
-        Projection::Cube
-    };
-    if from.is_some_and(|from| from != projection) {
-        return Err(Failure::Usage(format!(
-            "{}: {} pictures are a {projection} map; leave --from out",
-            path.display(),
-            files.len()
-        )));
-    }
-    let pictures: Result<Vec<Picture>, _> =
-        files.iter().map(|f| open_picture(f, &options)).collect();
-    let pictures = pictures?;
-    let images: Vec<Image<Rgb>> = pictures.iter().map(Picture::rgb).collect();
-    Ok(Loaded {
-        map: EnvironmentMap::new(projection, &images).map_err(of_map)?,
-        is_8_bit: pictures.iter().all(Picture::is_8_bit),
-    })
+pub fn read(path: &Path, from: Option<Projection>) -> Result<MapFile, Failure> {
+    open_map(path, from).map_err(failure)
 }
 
-/// What a picture's sides say it is.
-fn guessed(path: &Path, picture: &Picture) -> Result<Projection, Failure> {
-    let (width, height) = (picture.image.width(), picture.image.height());
-    projection_of_size(width, height).ok_or_else(|| {
-        Failure::Usage(format!(
+/// The pictures of a map.
+pub fn pictures(path: &Path, from: Option<Projection>) -> Result<Vec<PathBuf>, Failure> {
+    map_files(path, from).map_err(failure)
+}
+
+fn failure(error: OpenMapError) -> Failure {
+    match error {
+        OpenMapError::Unclear {
+            path,
+            width,
+            height,
+        } => Failure::Usage(format!(
             "{}: {width} x {height} pixels may be any of several projections; say which with --from sphere, angular, octahedral or fisheye",
             path.display()
-        ))
-    })
-}
-
-/// The files of a name with a placeholder.
-fn of_pattern(path: &Path, from: Option<Projection>) -> Result<Vec<PathBuf>, Failure> {
-    let pattern = path.to_string_lossy().into_owned();
-    let with = |name: &&str| PathBuf::from(pattern.replace(PLACEHOLDER, name));
-    let is_cube = from.is_none_or(|from| from == Projection::Cube);
-    let cubes = SCHEMES.iter().map(|names| names.iter().map(with).collect());
-    let mut all: Vec<Vec<PathBuf>> = cubes.filter(|_| is_cube).collect();
-    all.push(HALVES.iter().map(with).collect());
-    let found = all
-        .into_iter()
-        .find(|files| files.iter().all(|file| file.is_file()));
-    found.ok_or_else(|| {
-        Failure::Failed(format!(
-            "{pattern}: there are no such files with px, nx, py, ny, pz, nz (or posx, ... or right, ...) for {PLACEHOLDER}"
-        ))
-    })
-}
-
-/// The six faces in a folder: pictures whose names end in those of the faces.
-fn of_folder(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let failed = |why: &str| Failure::Failed(format!("{}: {why}", folder.display()));
-    let entries = std::fs::read_dir(folder).map_err(|e| failed(&e.to_string()))?;
-    let mut pictures: Vec<PathBuf> = entries
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| ending(path).is_some_and(|e| READ.contains(&e.as_str())))
-        .collect();
-    pictures.sort();
-    let find = |name: &&str| {
-        let ends = |path: &&PathBuf| {
-            let stem = path.file_stem().map(|s| s.to_string_lossy().to_lowercase());
-            stem.is_some_and(|stem| stem.ends_with(name))
-        };
-        let mut found = pictures.iter().filter(ends);
-        found.next().filter(|_| found.next().is_none()).cloned()
-    };
-    let sets = SCHEMES.iter().map(|names| names.iter().map(find).collect());
-    sets.into_iter().find_map(|set: Option<Vec<PathBuf>>| set).ok_or_else(|| {
-        failed("no six pictures whose names end in px, nx, py, ny, pz, nz (or posx, ... or right, ...), each once")
-    })
-}
-
-fn ending(path: &Path) -> Option<String> {
-    Some(path.extension()?.to_string_lossy().to_lowercase())
+        )),
+        OpenMapError::Count { .. } => Failure::Usage(format!("{error}; leave --from out")),
+        error => Failure::Failed(error.to_string()),
+    }
 }
 
 /// How light becomes colour in a .png.
@@ -183,7 +84,7 @@ impl Outputs {
         layout: Option<Layout>,
     ) -> Result<Self, Failure> {
         let name = path.to_string_lossy();
-        if name.contains(PLACEHOLDER) {
+        if name.contains(FACE_PLACEHOLDER) {
             return Self::of_faces(&name, projection, layout);
         }
         let chosen = layout.unwrap_or(Layout::default_of(projection));
@@ -210,26 +111,42 @@ impl Outputs {
     ) -> Result<Self, Failure> {
         if projection.faces() == 1 {
             return Err(Failure::Usage(format!(
-                "{name}: a {projection} map has one face; leave {PLACEHOLDER} out of the name"
+                "{name}: a {projection} map has one face; leave {FACE_PLACEHOLDER} out of the name"
             )));
         }
         if let Some(layout) = layout {
             return Err(Failure::Usage(format!(
-                "--layout {layout}: with {PLACEHOLDER} in the name each face has a file of its own; leave one of them out"
+                "--layout {layout}: with {FACE_PLACEHOLDER} in the name each face has a file of its own; leave one of them out"
             )));
         }
         let names: &[&str] = if projection.faces() == 2 {
-            &HALVES
+            &HALF_NAMES
         } else {
             &FACE_NAMES
         };
-        let target =
-            |face: &&str| Target::check(&PathBuf::from(name.replace(PLACEHOLDER, face)), WRITTEN);
+        let target = |face: &&str| {
+            Target::check(
+                &PathBuf::from(name.replace(FACE_PLACEHOLDER, face)),
+                WRITTEN,
+            )
+        };
         let targets: Result<Vec<Target>, Failure> = names.iter().map(target).collect();
         Ok(Self {
             targets: targets?,
             layout: None,
         })
+    }
+
+    /// Refuses to write over what is read: it would be lost, and reading it again would give less.
+    pub fn refuse_inputs(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let is_input = |target: &&Target| inputs.iter().any(|input| target.is(input));
+        match self.targets.iter().find(is_input) {
+            Some(target) => Err(Failure::Usage(format!(
+                "-o {}: is read from, and would be lost; choose another name",
+                target.path.display()
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// Writes all files or none; their names.

@@ -1,6 +1,6 @@
 //! What a map is and how much light it holds.
 
-use super::{files, in_words, shape};
+use super::{NEGATIVE, NON_FINITE, files, flaw_json, in_words, shape};
 use crate::args::{GlobalArgs, InfoTask};
 use crate::failure::Failure;
 use crate::output::{print, print_json};
@@ -41,6 +41,7 @@ pub fn run(task: &InfoTask, global: GlobalArgs) -> Result<(), Failure> {
             .collect();
         return print_json(&json!({
             "map": shape(map), "eight_bit": loaded.is_8_bit, "solid_angle": sum, "solid_angle_error": error,
+            "non_finite": flaw_json(&loaded.non_finite), "negative": flaw_json(&loaded.negative),
             "flux": flux, "mean_radiance": mean, "brightest_luminance": brightest,
             "harmonics": harmonics.coefficients(), "irradiance": irradiance,
         }));
@@ -54,6 +55,14 @@ pub fn run(task: &InfoTask, global: GlobalArgs) -> Result<(), Failure> {
         "radiance  {} on average, brightest luminance {brightest:.5}",
         three(mean)
     );
+    for (name, flaw) in [
+        (NON_FINITE, &loaded.non_finite),
+        (NEGATIVE, &loaded.negative),
+    ] {
+        if let Some(flaw) = flaw {
+            let _ = writeln!(text, "pixels    {name}: {flaw}");
+        }
+    }
     let _ = writeln!(text, "irradiance by spherical harmonics of degree 2:");
     for (name, value) in irradiances {
         let _ = writeln!(text, "  {name:8}{}", three(value.map(f64::from)));

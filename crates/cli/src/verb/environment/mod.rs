@@ -9,7 +9,9 @@ use crate::args::{ConvertTask, EnvironmentTask, EnvironmentVerb, GlobalArgs};
 use crate::failure::Failure;
 use crate::output::{print, print_json};
 use files::{Outputs, Tones};
-use hemicube::raster::environment::{Conversion, ConvertOptions, EnvironmentMap, convert};
+use hemicube::raster::environment::{
+    Conversion, ConvertOptions, EnvironmentMap, Flaw, MapFile, convert,
+};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -25,8 +27,10 @@ pub fn run(args: &EnvironmentVerb, global: GlobalArgs, start: Instant) -> Result
 
 fn run_convert(task: &ConvertTask, global: GlobalArgs) -> Result<(), Failure> {
     let outputs = Outputs::check(&task.output, task.to, task.layout)?;
+    outputs.refuse_inputs(&files::pictures(&task.input, task.from)?)?;
     refuse_size(task)?;
     let input = files::read(&task.input, task.from)?;
+    note_flaws(&input, global);
     if !input.map.projection().covers_sphere() && task.to.covers_sphere() {
         note(
             global,
@@ -40,8 +44,22 @@ fn run_convert(task: &ConvertTask, global: GlobalArgs) -> Result<(), Failure> {
     let (map, conversion) = convert(&input.map, task.to, &options);
     let tones = Tones::new(task.tones, input.is_8_bit);
     let written = outputs.write(&map, tones)?;
-    report(&input.map, &map, &conversion, &written, global)
+    report(&input, &map, &conversion, &written, global)
 }
+
+/// Says what was mended in the input, and what was not.
+fn note_flaws(input: &MapFile, global: GlobalArgs) {
+    if let Some(flaw) = &input.non_finite {
+        note(global, &format!("{NON_FINITE}: {flaw}"));
+    }
+    if let Some(flaw) = &input.negative {
+        note(global, &format!("{NEGATIVE}: {flaw}"));
+    }
+}
+
+/// What becomes of pixels that no light has.
+const NON_FINITE: &str = "not finite, read as 0 if no number, else as 65504";
+const NEGATIVE: &str = "negative, kept (only .exr holds them; in .hdr and .png they are 0)";
 
 /// Refuses a target that would take too much memory: some 36 bytes a texel.
 fn refuse_size(task: &ConvertTask) -> Result<(), Failure> {
@@ -59,14 +77,16 @@ fn refuse_size(task: &ConvertTask) -> Result<(), Failure> {
 
 /// What was made of what, and what became of the light.
 fn report(
-    before: &EnvironmentMap,
+    input: &MapFile,
     after: &EnvironmentMap,
     conversion: &Conversion,
     written: &[String],
     global: GlobalArgs,
 ) -> Result<(), Failure> {
+    let before = &input.map;
     if global.json {
         return print_json(&json!({
+            "non_finite": flaw_json(&input.non_finite), "negative": flaw_json(&input.negative),
             "from": shape(before), "to": shape(after), "files": written,
             "solid_angle_error": conversion.solid_angle_error,
             "flux_before": conversion.flux_before, "flux_after": conversion.flux_after,
@@ -104,6 +124,14 @@ fn report(
         let _ = writeln!(text, "wrote     {file}");
     }
     print(&text)
+}
+
+/// Pixels that no light has, for programs.
+fn flaw_json(flaw: &Option<Flaw>) -> Value {
+    let Some(flaw) = flaw else {
+        return json!({ "pixels": 0 });
+    };
+    json!({ "pixels": flaw.pixels, "first": { "file": flaw.file, "column": flaw.x, "row": flaw.y } })
 }
 
 /// Projection and size, for programs.

@@ -115,3 +115,20 @@ fn ranges_are_symmetric_and_bear_anything() {
     let [low, high] = range(&values);
     assert!(low == -high && high >= 4.5, "{low} to {high}");
 }
+
+#[test]
+fn grey_is_spoken_of_where_there_is_some() {
+    assert_eq!(extent(&[1.0; 5]), "known on the whole surface");
+    let mut values = vec![1.0; 4000];
+    values[7] = f32::NAN;
+    assert_eq!(
+        extent(&values),
+        "known on 99.9 % of the surface, grey elsewhere"
+    );
+    values.fill(f32::NAN);
+    values[7] = 0.0;
+    assert_eq!(
+        extent(&values),
+        "known on 0.1 % of the surface, grey elsewhere"
+    );
+}

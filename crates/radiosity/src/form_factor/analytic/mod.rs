@@ -9,10 +9,14 @@
 //! [`Analytic`] fills rows; for all patches at once it computes each pair but once (`A_a F_ab = A_b F_ba`), in blocks
 //! of neighbours that share their shaft's occluders.
 //!
+//! What no element receives is lost: to the sky, or to sides of faces that only absorb. Where both take of it, the sides
+//! are faced like elements and the sky gets the rest.
+//!
 //! Two faces in one plane that overlap and look the same way, such as a rug drawn on its floor, both count as seen.
 //!
 //! [`exchange`](fn@exchange) and [`occluded_exchange`] are the same for polygons that belong to no scene.
 
+mod backs;
 pub mod exchange;
 pub mod flat_surfaces;
 mod matrix;
@@ -29,11 +33,13 @@ pub use occlusion::occluded_exchange;
 use crate::error::RadiosityError;
 use crate::form_factor::matrix::DenseRows;
 use crate::form_factor::polygon::{FlatPolygon, facing_parts, point_to_polygon};
+use crate::form_factor::raycast::close;
 use crate::form_factor::{FormFactors, RayCast, RayCastOptions, Row};
 use crate::patch::face::{Side, WorldFace};
 use crate::patch::{NodeId, NodeKind, PatchMesh};
 use crate::sampling::{hash, point2};
 use crate::stop::Stop;
+use backs::Backs;
 use flat_surfaces::FlatSurfaces;
 use glam::DVec3;
 use hemicube_raster::Rgb;
@@ -42,8 +48,8 @@ use occlusion::{Shadows, cubature};
 use rayon::prelude::*;
 use shaft::{Blocks, Bounds, Occluder};
 use site::Site;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 use unoccluded::{Facing, Rules, facing};
 
 /// Consecutive elements that share the search for occluders.
@@ -111,15 +117,18 @@ pub struct Analytic {
     blocks: Vec<Block>,
     surfaces: FlatSurfaces,
     occluders: Occluders,
-    /// Tells what backs absorb and what escapes.
+    /// Tells what backs absorb and what escapes, roughly.
     rays: RayCast,
+    /// Sides that only absorb; made when they are first asked for.
+    backs: OnceLock<Backs>,
     sampled_pairs: AtomicU64,
 }
 
 /// One side of a pair.
 #[derive(Debug, Clone, Copy)]
 struct End {
-    id: NodeId,
+    /// Tells its random numbers from those of others.
+    key: u64,
     /// Which flat surface it is of: parts of one do not see each other.
     surface: u32,
     site: Site,
@@ -177,6 +186,7 @@ impl Analytic {
             occluders: Occluders::new(&mesh, &surfaces),
             surfaces,
             rays: RayCast::new(mesh.clone(), ray_options),
+            backs: OnceLock::new(),
             sampled_pairs: AtomicU64::new(0),
             ends,
             options,
@@ -284,19 +294,18 @@ impl Analytic {
     /// Sky and absorbed share of a row; rays are asked only where more is missing than the error of factors explains.
     fn lost(&self, source: NodeId, received: f64) -> (f64, f64) {
         if (1.0 - received).abs() <= 10.0 * self.options.error {
-            (0.0, 0.0)
-        } else {
-            self.rays.lost(source).beside(received)
+            return (0.0, 0.0);
         }
+        let lost = self.rays.lost(source);
+        let rest = lost.beside(received);
+        let absorbed = lost.to_backs(rest, self.absorbed(source, &lost));
+        (rest - absorbed, absorbed)
     }
 
     /// Share of light that gets from one polygon to the other, by rays from points of the smaller one. Points count by
     /// their exact factor, rays of one point by the kernel `cos cos / r²`.
     fn sampled(&self, a: &End, b: &End, parts: (&FlatPolygon, &FlatPolygon), points: u32) -> Rgb {
-        let seed = hash(
-            hash(u64::from(a.id.0), self.options.seed),
-            u64::from(b.id.0),
-        );
+        let seed = hash(hash(a.key, self.options.seed), b.key);
         let (from, to) = if a.site.radius <= b.site.radius {
             parts
         } else {
@@ -357,20 +366,21 @@ impl End {
         };
         let corners: Vec<DVec3> = mesh.polygon(id).iter().map(|c| c.as_dvec3()).collect();
         // That of the whole face: small parts, far from the origin, would have one of their own by rounding.
-        let of_face: Vec<DVec3> = mesh.faces()[face as usize]
-            .polygon()
-            .iter()
-            .map(|c| c.as_dvec3())
-            .collect();
-        let front = vector_area(&of_face).normalize_or_zero();
-        let normal = if side == Side::Front { front } else { -front };
+        let normal = normal_of(&mesh.faces()[face as usize], side);
         Self {
-            id,
+            key: u64::from(id.0),
             surface: surfaces.of_face[face as usize],
             site: Site::with_normal(&corners, normal),
             bounds: Bounds::around(&corners),
         }
     }
+}
+
+/// Of a side of a face, of unit length.
+fn normal_of(face: &WorldFace, side: Side) -> DVec3 {
+    let corners: Vec<DVec3> = face.polygon().iter().map(|c| c.as_dvec3()).collect();
+    let front = vector_area(&corners).normalize_or_zero();
+    if side == Side::Front { front } else { -front }
 }
 
 /// Cuts the elements into runs of at most [`BLOCK`]; large faces keep theirs for themselves.
@@ -426,7 +436,14 @@ impl FormFactors for Analytic {
                 row.fractions.extend(found.iter().map(factor));
             }
         }
-        self.rays.close_row(source, is_exact, row);
+        let lost = self.rays.lost(source);
+        close(mesh, row, is_exact, &lost);
+        if is_exact && self.bands == 1 {
+            let rest = f64::from(row.absorbed[0] + row.escaped[0]);
+            let absorbed = lost.to_backs(rest, self.absorbed(source, &lost));
+            row.absorbed = [to_f32(absorbed); 3];
+            row.escaped = [to_f32(rest - absorbed); 3];
+        }
     }
 
     fn rays(&self) -> u64 {

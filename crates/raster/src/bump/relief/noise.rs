@@ -1,6 +1,7 @@
 //! Random bumps: gradient noise, and the pits of an orange.
 
 use super::{Relief, ReliefSample, hump};
+use crate::noise::{gradient_noise, hash};
 use glam::{IVec3, Vec3};
 
 /// Perlin's gradient noise (*Improving noise*, SIGGRAPH 2002: fifth-degree fade) in several octaves.
@@ -58,8 +59,8 @@ impl Relief for Noise {
     fn sample(&self, point: Vec3) -> ReliefSample {
         let mut sum = ReliefSample::FLAT;
         let (mut frequency, mut amplitude) = (self.frequency, self.amplitude);
-        for octave in 0..self.octaves.min(16) {
-            let one = gradient_noise(point * frequency, self.seed.wrapping_add(octave));
+        for i in 0..self.octaves.min(16) {
+            let one = octave(point * frequency, self.seed.wrapping_add(i));
             sum.height += amplitude * one.height;
             sum.gradient += one.gradient * (amplitude * frequency);
             frequency *= 2.0;
@@ -70,66 +71,10 @@ impl Relief for Noise {
 }
 
 /// One octave with cells of side 1.
-fn gradient_noise(point: Vec3, seed: u32) -> ReliefSample {
+fn octave(point: Vec3, seed: u32) -> ReliefSample {
     let corner = point.floor();
-    let t = point - corner;
-    let cell = corner.as_ivec3();
-    let fade = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
-    let slope = t * t * (t * (t - 2.0) + 1.0) * 30.0;
-    let mut sum = ReliefSample::FLAT;
-    // Hashes go from axis to axis, so that corners share what they have in common.
-    let seeded = mix(SALT, seed);
-    for x in 0..2 {
-        let of_x = mix(seeded, cell.x.wrapping_add(x).cast_unsigned());
-        for y in 0..2 {
-            let of_y = mix(of_x, cell.y.wrapping_add(y).cast_unsigned());
-            for z in 0..2 {
-                let bits = mix(of_y, cell.z.wrapping_add(z).cast_unsigned());
-                let to = IVec3::new(x, y, z).as_vec3();
-                let weights = Vec3::ONE - to + fade * (to * 2.0 - 1.0);
-                let slopes = slope * (to * 2.0 - 1.0);
-                let gradient = corner_gradient(bits ^ bits >> 13);
-                let value = gradient.dot(t - to);
-                let weight = weights.element_product();
-                let d_weight = Vec3::new(
-                    slopes.x * weights.y * weights.z,
-                    weights.x * slopes.y * weights.z,
-                    weights.x * weights.y * slopes.z,
-                );
-                sum.height += weight * value;
-                sum.gradient += gradient * weight + d_weight * value;
-            }
-        }
-    }
-    sum
-}
-
-/// One of the twelve directions from the middle of a cube to those of its edges.
-fn corner_gradient(hash: u32) -> Vec3 {
-    let axis = (hash >> 8) % 3;
-    let sign = |bit: u32| if hash >> bit & 1 == 0 { 1.0 } else { -1.0 };
-    let (a, b) = (sign(0), sign(1));
-    match axis {
-        0 => Vec3::new(0.0, a, b),
-        1 => Vec3::new(a, 0.0, b),
-        _ => Vec3::new(a, b, 0.0),
-    }
-}
-
-/// 32 well-mixed bits of a cell.
-fn hash(cell: IVec3, seed: u32) -> u32 {
-    let coordinates = cell.to_array().map(i32::cast_unsigned);
-    let h = coordinates.into_iter().fold(mix(SALT, seed), mix);
-    h ^ h >> 13
-}
-
-/// Where hashes start.
-const SALT: u32 = 0x27d4_eb2f;
-
-/// A hash with another value in it: two multiplications by odd numbers around a shift.
-fn mix(h: u32, value: u32) -> u32 {
-    let h = (h ^ value).wrapping_mul(0x9e37_79b1);
-    (h ^ h >> 15).wrapping_mul(0x85eb_ca77)
+    let (height, gradient) = gradient_noise(corner.as_ivec3(), point - corner, seed);
+    ReliefSample { height, gradient }
 }
 
 /// The skin of an orange: round pits of random depth, one somewhere in each cell of space.
