@@ -209,10 +209,12 @@ fn solve(context: &Arc<Context>) {
         [(1000, 100, 5e-3), (4000, 400, 5e-2), (10_000, 1000, 0.2)]
     {
         let scene = Arc::new(builtin::scene("cornell").expect("it is built in"));
-        let mut options = SolveOptions::default();
-        options.mesh = PatchOptions::default()
-            .with_elements(elements)
-            .with_patches(patches);
+        let options = SolveOptions {
+            mesh: PatchOptions::default()
+                .with_elements(elements)
+                .with_patches(patches),
+            ..SolveOptions::default()
+        };
         let start = unlit(scene, &options, NEVER).expect("it has light");
         let hemicube = HemicubeOptions::default();
         let factors = Hemicube::new(start.mesh().clone(), hemicube).expect("good options");
