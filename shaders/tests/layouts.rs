@@ -36,18 +36,19 @@ macro_rules! twin {
 
 fn twins() -> Vec<Twin> {
     vec![
-        twin!(hemicube::Receiver: corners, normal, flags, centroid, radius),
+        twin!(hemicube::Receiver: normal, flags, centroid, radius),
         twin!(hemicube::Viewpoint: origin, least_near, tangent, farthest, bitangent, padding_0, normal, padding_1),
-        twin!(hemicube::HemicubeParams: receivers, vertices, elements, resolution),
-        twin!(hemicube::DrawParams: viewpoint, padding_0, padding_1, padding_2),
+        twin!(hemicube::HemicubeParams: receivers, vertices, elements, resolution, groups, indices, padding_0, padding_1),
+        twin!(hemicube::DrawParams: viewpoint, face, padding_0, padding_1),
+        twin!(hemicube::LayerParams: layer, is_last, padding_0, padding_1),
         twin!(raycast::RayParams: rays, parts, elements, first_ray, shift, tangent, offset, bitangent, farthest, normal, lag),
         twin!(raycast::RayPart: corners, share, count, padding_0, padding_1),
         twin!(raycast::RayTriangle: a, element, b, both_sides, c, padding),
-        twin!(shooting::ShootingParams: elements, patches, channels, padding),
+        twin!(shooting::ShootingParams: elements, patches, channels, bands, farthest, padding_0, padding_1, padding_2),
         twin!(shooting::ElementLight: area, inverse_area, padding_0, padding_1, reflectance, padding_2),
-        twin!(shooting::ShootingPatch: first_element, elements, first_view, views),
-        twin!(shooting::ShotView: viewpoint, weight, padding_0, padding_1, padding_2),
-        twin!(shooting::ShotState: shooter, view, views, shots, weight, unshot, largest, holds),
+        twin!(shooting::ShootingPatch: first_element, elements, first_view, views, normal, padding),
+        twin!(shooting::ShotView: origin, weight, tangent, least_near),
+        twin!(shooting::ShotState: shooter, view, views, shots, weight, unshot, largest, most_shots),
     ]
 }
 
@@ -85,6 +86,9 @@ fn constants_have_the_same_values_in_rust() {
         ("RECEIVER_BOTH_SIDES", hemicube::RECEIVER_BOTH_SIDES),
         ("RECEIVER_EXPOSED", hemicube::RECEIVER_EXPOSED),
         ("RECEIVER_OBSTRUCTION", hemicube::RECEIVER_OBSTRUCTION),
+        ("FACES", hemicube::FACES),
+        ("MASKS", hemicube::MASKS),
+        ("MAX_LAYERS", hemicube::MAX_LAYERS),
         ("ITEM_EMPTY", hemicube::ITEM_EMPTY),
         ("SEGMENT", hemicube::SEGMENT),
         ("STACK", raycast::STACK),

@@ -13,6 +13,7 @@ fn program_without_a_gpu_says_how_to_build_one() {
     for args in [
         &["adapters"][..],
         &["solve", "cornell", "--form-factors", "gpu"],
+        &["form-factors", "cornell", "--method", "gpu-raycast"],
     ] {
         let output = folder.run(args);
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -25,11 +26,14 @@ fn program_without_a_gpu_says_how_to_build_one() {
 fn options_of_a_gpu_without_one_are_wrong_usage() {
     let folder = Folder::new();
     for option in [&["--adapter", "any"][..], &["--require-gpu"]] {
-        let args = [&["solve", "cornell"][..], &MESH, option].concat();
-        let output = folder.run(&args);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{option:?}: {told}");
-        assert!(told.contains(option[0]), "{told}");
+        let plates = [&["form-factors", "parallel-plates"][..], option].concat();
+        let cornell = [&["solve", "cornell"][..], &MESH, option].concat();
+        for args in [plates, cornell] {
+            let output = folder.run(&args);
+            let told = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(2), "{option:?}: {told}");
+            assert!(told.contains(option[0]), "{told}");
+        }
     }
 }
 
@@ -41,6 +45,11 @@ mod built {
     fn has_adapter(folder: &Folder) -> bool {
         let is_there = folder.run(&["adapters"]).status.success();
         if !is_there {
+            let must_be_there = std::env::var_os("CI").is_some();
+            assert!(
+                !must_be_there,
+                "tests of the GPU are not skipped where CI is set"
+            );
             println!("skipped: this machine shows no adapter");
         }
         is_there
@@ -97,5 +106,67 @@ mod built {
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(1), "{told}");
         assert!(told.contains("no GPU"), "{told}");
+    }
+
+    #[test]
+    fn view_factors_are_those_of_the_cpu() {
+        let folder = Folder::new();
+        if !has_adapter(&folder) {
+            return;
+        }
+        let factors = |method: &str| -> Value {
+            let args = [
+                "form-factors",
+                "parallel-plates",
+                "--json",
+                "--method",
+                method,
+            ];
+            serde_json::from_str(&folder.done(&args)).expect("a report")
+        };
+        for (gpu, cpu, bound) in [("gpu", "hemicube", 1e-4), ("gpu-raycast", "raycast", 5e-3)] {
+            let (a, b) = (factors(gpu), factors(cpu));
+            assert_eq!(a["method"], gpu, "{a}");
+            let of = |report: &Value| report["factors"][0][1].as_f64().expect("a factor");
+            let (a, b) = (of(&a), of(&b));
+            assert!((a - b).abs() < bound, "{gpu}: {a} and {b}");
+        }
+        let args = [
+            "form-factors",
+            "parallel-plates",
+            "--method",
+            "gpu",
+            "--adapter",
+            "no such thing",
+        ];
+        let output = folder.run(&args);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            output.status.success() && told.contains("going on with the CPU"),
+            "{told}"
+        );
+        let output = folder.run(&[&args[..], &["--require-gpu"]].concat());
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        assert!(told.contains("no GPU"), "{told}");
+    }
+
+    #[test]
+    fn memory_of_the_device_is_told_as_it_is_taken() {
+        use hemicube::gpu::{Context, GpuShooting};
+        use hemicube::radiosity::stop::NEVER;
+        use hemicube::radiosity::{SolveOptions, unlit};
+        let folder = Folder::new();
+        if !has_adapter(&folder) {
+            return;
+        }
+        let info: Value =
+            serde_json::from_str(&folder.done(&["info", "office", "--json"])).expect("facts");
+        let scene = hemicube::scene::builtin::scene("office").expect("it is built in");
+        let options = SolveOptions::default();
+        let start = unlit(scene.into(), &options, NEVER).expect("it has light");
+        let context = Context::headless(None).expect("there is an adapter");
+        let solver = GpuShooting::new(context.into(), start, options.hemicube).expect("it fits");
+        assert_eq!(info["mesh"]["gpu_memory_bytes"], solver.bytes(), "{info}");
     }
 }

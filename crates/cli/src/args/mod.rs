@@ -2,6 +2,7 @@
 
 mod environment;
 mod form_factors;
+mod gpu;
 mod method;
 mod parse;
 mod picture;
@@ -12,6 +13,7 @@ pub use environment::{
     CaptureTask, ConvertTask, EnvironmentTask, EnvironmentVerb, InfoTask, TonesArgs,
 };
 pub use form_factors::FormFactorsVerb;
+pub use gpu::GpuArgs;
 pub use picture::{PictureArgs, ProjectionKind};
 pub use scene::SceneArgs;
 pub use solve::{MeshArgs, SolveArgs};
