@@ -20,9 +20,10 @@ struct Footprint {
     dy: vec4<f32>,
 }
 
-// A fragment's footprint; asked for before anything branches, because it looks at neighbours.
+// A fragment's footprint; asked for before anything branches, because it looks at neighbours. Coarse differences are the
+// same for a block of 2 x 2 pixels, and so is the level that they read: some drivers take the level of one for all four.
 fn footprint_of(in: Fragment) -> Footprint {
-    return Footprint(in.texcoords, dpdx(in.texcoords), dpdy(in.texcoords));
+    return Footprint(in.texcoords, dpdxCoarse(in.texcoords), dpdyCoarse(in.texcoords));
 }
 
 fn of_set(slot: Slot, sets: vec4<f32>) -> vec2<f32> {
