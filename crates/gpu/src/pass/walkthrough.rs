@@ -3,12 +3,15 @@
 use crate::context::Context;
 use crate::error::GpuError;
 use crate::pass::antialias::Grid;
+use crate::pass::environment::Lookup;
 use crate::pass::falsecolour::Field;
 use crate::pass::lit::Pixels;
+use crate::pass::map::DeviceMap;
 use crate::pass::options::{DrawOptions, Interpolation, Smoothing, Style};
 use crate::pass::passes::Passes;
 use crate::pass::pick::ELEMENTS;
-use crate::pass::surfaces::Surfaces;
+use crate::pass::reflections::{Maps, Mirrors};
+use crate::pass::surfaces::{How, Surfaces};
 use crate::pass::target::{Frame, Target, check_size, read_texels, texture};
 use crate::pass::tonemap::Tones;
 use crate::pass::view::{Window, view};
@@ -17,8 +20,10 @@ use core::fmt;
 use glam::Vec4;
 use hemicube_radiosity::solve::ambient::ambient_irradiance;
 use hemicube_radiosity::{Solution, Solver, SolverKind};
+use hemicube_raster::environment::{EnvironmentMap, EnvironmentPyramid};
 use hemicube_raster::tonemap::Exposure;
 use hemicube_raster::{Image, Rgb};
+use hemicube_render::{MirrorPlan, Reflections, face_camera, tilt_fits};
 use hemicube_scene::{Camera, Scene};
 use hemicube_shaders::surface as twins;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -41,6 +46,9 @@ pub struct Walkthrough {
     surfaces: Surfaces,
     /// Radiance of the sky as dimmed.
     sky: Rgb,
+    /// What is behind everything, in place of the sky.
+    surroundings: Option<DeviceMap>,
+    mirrors: Option<Mirrors>,
     frames: Vec<Frame>,
 }
 
@@ -79,6 +87,8 @@ impl Walkthrough {
         let surfaces = Surfaces::new(&context, &locked(&passes), solution)?;
         let mut walkthrough = Self {
             sky: Rgb::BLACK,
+            surroundings: None,
+            mirrors: None,
             frames: Vec::new(),
             context,
             passes,
@@ -137,6 +147,129 @@ impl Walkthrough {
         self.surfaces.set_materials(&self.context, scene)
     }
 
+    /// Gathers light for the normals that reliefs turn, as it is in a solution; it takes seconds where much is bumpy. Until
+    /// then bumps are lit as if by a uniform sky.
+    pub fn gather_reliefs(&mut self, solution: &Solution) {
+        let reliefs = &self.surfaces.reliefs;
+        if !reliefs.mesh.vertices.is_empty() {
+            reliefs.set(&self.context, &tilt_fits(solution, &reliefs.mesh.vertices));
+        }
+    }
+
+    /// Shows a picture of the surroundings behind everything, in place of a uniform sky or background; none takes it away.
+    ///
+    /// # Errors
+    /// A map that is larger than the adapter allows.
+    pub fn set_surroundings(&mut self, map: Option<EnvironmentMap>) -> Result<(), GpuError> {
+        let pyramid = map.map(EnvironmentPyramid::new);
+        let levels = pyramid.as_ref().map(EnvironmentPyramid::levels);
+        let map = levels.map(|levels| DeviceMap::new(&self.context, levels));
+        self.surroundings = map.transpose()?;
+        Ok(())
+    }
+
+    /// Lets objects of the solution's scene mirror what is around them, in maps that [`Self::capture`] takes. Gives the
+    /// number of these.
+    ///
+    /// # Errors
+    /// A name that nothing has, maps of an impossible size.
+    pub fn set_reflections(
+        &mut self,
+        solution: &Solution,
+        wanted: &Reflections,
+        lookup: Lookup,
+    ) -> Result<usize, GpuError> {
+        let plan = planned(solution, wanted)?;
+        let count = plan.sites.len();
+        let mirrors = Mirrors::taken(&self.context, plan, wanted.resolution, lookup);
+        self.surfaces.set_mirrors(Vec::new(), &mirrors.plan.of_parts);
+        self.mirrors = Some(mirrors);
+        Ok(count)
+    }
+
+    /// Lets objects of the solution's scene mirror one map that is far away, by its levels of roughness: the first is that of
+    /// a mirror, each is half as large as the one before, the last is that of roughness 1.
+    ///
+    /// # Errors
+    /// A name that nothing has, levels of other sizes.
+    pub fn set_reflected_map(
+        &mut self,
+        solution: &Solution,
+        wanted: &Reflections,
+        levels: &[EnvironmentMap],
+        lookup: Lookup,
+    ) -> Result<(), GpuError> {
+        let mirrors = Mirrors {
+            plan: planned(solution, wanted)?,
+            maps: Maps::One(DeviceMap::new(&self.context, levels)?),
+            lookup,
+        };
+        let bound = mirrors.bind(&self.context, &locked(&self.passes), 1.0);
+        self.surfaces.set_mirrors(bound, &mirrors.plan.of_parts);
+        self.mirrors = Some(mirrors);
+        Ok(())
+    }
+
+    /// Takes the maps of all mirrors, as the scene is lit now: six pictures from the middle of each object, without the
+    /// object, blurred by roughness. They are used by the next picture; nothing comes to the CPU. Light is kept in 16 bits,
+    /// multiplied by `exposure`, which should be that of the pictures.
+    ///
+    /// # Errors
+    /// The maps do not fit the adapter's limits.
+    pub fn capture(&mut self, encoder: &mut CommandEncoder, exposure: f32) -> Result<(), GpuError> {
+        let Some(mirrors) = self.mirrors.take() else {
+            return Ok(());
+        };
+        let options = DrawOptions::default()
+            .with_exposure(exposure)
+            .with_smoothing(Smoothing::None)
+            .with_reflections(false);
+        let taken = self.take(encoder, &mirrors, &options);
+        let scale = 1.0 / self::exposure(&options);
+        let bound = mirrors.bind(&self.context, &locked(&self.passes), scale);
+        self.surfaces.set_mirrors(bound, &mirrors.plan.of_parts);
+        self.mirrors = Some(mirrors);
+        taken
+    }
+
+    fn take(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        mirrors: &Mirrors,
+        options: &DrawOptions,
+    ) -> Result<(), GpuError> {
+        let Maps::Taken(cubes) = &mirrors.maps else {
+            return Ok(());
+        };
+        let passes = self.passes.clone();
+        let mut passes = locked(&passes);
+        self.surfaces.light.update(encoder, &passes.light);
+        for (site, cube) in mirrors.plan.sites.iter().zip(cubes) {
+            for face in 0..6 {
+                let camera = face_camera(site.position, face);
+                let size = [2 * cube.side; 2];
+                let samples = Samples::OfPixel(1);
+                let view = self.view(&camera, size, &samples, options)?;
+                let at = self.frame(size, samples.pixels())?;
+                let picture = Picture {
+                    view,
+                    camera: &camera,
+                    aspect: 1.0,
+                    samples: &samples,
+                    options,
+                    tones: Tones::Linear,
+                    without: Some(site.instance),
+                };
+                self.draw_frame(encoder, &mut passes, at, &picture);
+                let (context, seen) = (&self.context, &self.frames[at].color);
+                let face = u32::try_from(face).expect("six");
+                passes.cube.take_face(context, encoder, cube, face, seen);
+            }
+            passes.cube.blur(&self.context, encoder, cube);
+        }
+        Ok(())
+    }
+
     /// Draws a picture.
     ///
     /// # Errors
@@ -160,17 +293,21 @@ impl Walkthrough {
         tones: Tones,
     ) -> Result<(), GpuError> {
         let samples = Samples::new(target.size, options.smoothing)?;
-        let pixels = Pixels {
-            format: LIGHT,
-            samples: samples.of_pixel(),
-        };
         let view = self.view(camera, target.size, &samples, options)?;
-        let at = self.frame(samples.size(target.size), pixels)?;
+        let at = self.frame(samples.size(target.size), samples.pixels())?;
         let passes = self.passes.clone();
         let mut passes = locked(&passes);
         self.surfaces.light.update(encoder, &passes.light);
-        let scale = samples.scale();
-        self.draw_frame(encoder, &mut passes, (at, view, scale), camera, options, tones);
+        let picture = Picture {
+            view,
+            camera,
+            aspect: aspect(target.size),
+            samples: &samples,
+            options,
+            tones,
+            without: None,
+        };
+        self.draw_frame(encoder, &mut passes, at, &picture);
         let frame = &self.frames[at];
         let (context, to) = (&self.context, (target.view, target.format));
         match &samples {
@@ -216,7 +353,7 @@ impl Walkthrough {
     }
 
     /// The factor of an exposure for this view; see [`Exposure::factor`]. The automatic one is taken from a small picture,
-    /// which has to come to the CPU.
+    /// which has to come to the CPU; what is behind everything does not count.
     ///
     /// # Errors
     /// As [`Self::draw`]; the device was lost.
@@ -233,8 +370,9 @@ impl Walkthrough {
         let scaled = |side: u32| (side * METERED_SIDE / longer).clamp(1, METERED_SIDE);
         let options = DrawOptions::default().with_smoothing(Smoothing::None);
         let sky = core::mem::replace(&mut self.sky, Rgb::BLACK);
+        let surroundings = self.surroundings.take();
         let image = self.linear(camera, size.map(scaled), &options);
-        self.sky = sky;
+        (self.sky, self.surroundings) = (sky, surroundings);
         Ok(exposure.factor(image?.pixels().iter().map(|c| c.luminance())))
     }
 
@@ -360,21 +498,20 @@ impl Walkthrough {
         Ok(self.frames.len() - 1)
     }
 
-    /// Draws surfaces and lines into a frame.
+    /// Draws surroundings, surfaces and lines into a frame.
     fn draw_frame(
         &mut self,
         encoder: &mut CommandEncoder,
         passes: &mut Passes,
-        (at, view, scale): (usize, twins::View, f32),
-        camera: &Camera,
-        options: &DrawOptions,
-        tones: Tones,
+        at: usize,
+        picture: &Picture<'_>,
     ) {
-        let (context, frame) = (&self.context, &self.frames[at]);
-        let bindings = self.surfaces.bind(context, passes, view);
+        let (context, frame, options) = (&self.context, &self.frames[at], picture.options);
+        let bindings = self.surfaces.bind(context, passes, picture.view);
         let behind = self.behind(options) * exposure(options);
         let mut pass = begin(encoder, frame, Vec4::new(behind.r, behind.g, behind.b, 1.0));
         pass.set_bind_group(0, &bindings, &[]);
+        let scale = picture.samples.scale();
         let field = match &options.style {
             Style::Lit => None,
             Style::FalseColour(paint) => {
@@ -388,11 +525,28 @@ impl Walkthrough {
             pass.set_bind_group(1, &bound, &[]);
             self.surfaces.draw_solid(&mut pass);
         } else {
-            let how = (frame.pixels, options.filtering);
-            self.surfaces.draw(context, passes, &mut pass, how, camera);
+            let how = How {
+                pixels: frame.pixels,
+                filtering: options.filtering,
+                bumps: options.bumps,
+                reflections: options.reflections,
+                without: picture.without,
+            };
+            self.surfaces.draw_solid_lit(context, passes, &mut pass, how);
+            if let Some(map) = &self.surroundings {
+                let around = &mut passes.surroundings;
+                let seen = (picture.aspect, picture.samples.window(), &picture.view);
+                let bound = around.bindings(context, map, picture.camera, seen);
+                pass.set_pipeline(&around.pipeline(context, frame.pixels));
+                pass.set_bind_group(0, &bound, &[]);
+                pass.draw(0..3, 0..1);
+                pass.set_bind_group(0, &bindings, &[]);
+            }
+            let camera = picture.camera;
+            self.surfaces.draw_layers(context, passes, &mut pass, how, camera);
         }
         if let Some(lines) = options.lines {
-            let line = passes.overlay.bindings(context, lines, tones, scale);
+            let line = passes.overlay.bindings(context, lines, picture.tones, scale);
             pass.set_pipeline(&passes.overlay.pipeline(context, frame.pixels));
             pass.set_bind_group(1, &line, &[]);
             self.surfaces.geometry.draw_edges(&mut pass);
@@ -407,6 +561,19 @@ impl Walkthrough {
             self.sky
         }
     }
+}
+
+/// A picture that is being made.
+struct Picture<'a> {
+    view: twins::View,
+    camera: &'a Camera,
+    /// Width by height.
+    aspect: f64,
+    samples: &'a Samples,
+    options: &'a DrawOptions,
+    tones: Tones,
+    /// An instance that is left out.
+    without: Option<usize>,
 }
 
 /// Where the samples of a picture lie.
@@ -427,10 +594,14 @@ impl Samples {
         })
     }
 
-    fn of_pixel(&self) -> u32 {
-        match self {
-            Self::OfPixel(count) => *count,
-            Self::Grid(_) => 1,
+    /// What a frame for them stores.
+    fn pixels(&self) -> Pixels {
+        Pixels {
+            format: LIGHT,
+            samples: match self {
+                Self::OfPixel(count) => *count,
+                Self::Grid(_) => 1,
+            },
         }
     }
 
@@ -487,6 +658,11 @@ fn begin<'e>(encoder: &'e mut CommandEncoder, frame: &Frame, behind: Vec4) -> wg
 
 fn aspect([width, height]: [u32; 2]) -> f64 {
     f64::from(width.max(1)) / f64::from(height.max(1))
+}
+
+/// Which objects mirror.
+fn planned(solution: &Solution, wanted: &Reflections) -> Result<MirrorPlan, GpuError> {
+    MirrorPlan::new(solution, wanted).map_err(|e| GpuError::Option(e.to_string()))
 }
 
 /// What becomes of what a style draws.
