@@ -137,7 +137,10 @@ fn constants_have_the_same_values_in_rust() {
         ("PROJECTION_OCTAHEDRAL", surface::PROJECTION_OCTAHEDRAL),
         ("PROJECTION_ANGULAR", surface::PROJECTION_ANGULAR),
         ("PROJECTION_FISHEYE", surface::PROJECTION_FISHEYE),
-        ("PROJECTION_HEMISPHERICAL", surface::PROJECTION_HEMISPHERICAL),
+        (
+            "PROJECTION_HEMISPHERICAL",
+            surface::PROJECTION_HEMISPHERICAL,
+        ),
         ("SPLIT_SUM_SIDE", surface::SPLIT_SUM_SIDE),
         ("CURVE_REINHARD", surface::CURVE_REINHARD),
         ("CURVE_ACES", surface::CURVE_ACES),

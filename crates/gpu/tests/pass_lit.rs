@@ -80,11 +80,16 @@ fn automatic_exposure_is_nearly_that_of_the_cpu() {
     let solution = lit_builtin("cornell", 600);
     let camera = camera(&solution);
     let mut gpu = Walkthrough::new(context, &solution).expect("a scene");
-    let found = gpu.exposure_factor(&camera, SIZE, Exposure::Auto).expect("a factor");
+    let found = gpu
+        .exposure_factor(&camera, SIZE, Exposure::Auto)
+        .expect("a factor");
     let renderer = hemicube_render::Renderer::new(&solution, &camera, &options()).expect("CPU");
     let expected = renderer.exposure_factor(Exposure::Auto);
     // Both are taken from small pictures, of different sizes.
-    assert!((found / expected - 1.0).abs() < 0.02, "{found}, not {expected}");
+    assert!(
+        (found / expected - 1.0).abs() < 0.02,
+        "{found}, not {expected}"
+    );
 }
 
 #[test]
@@ -130,7 +135,9 @@ fn lines_lie_on_edges_of_elements_only() {
     let camera = camera(&solution);
     let mut gpu = Walkthrough::new(context, &solution).expect("a scene");
     let plain = DrawOptions::default().with_smoothing(Smoothing::None);
-    let lines = plain.clone().with_lines(MeshLines::default().with_opacity(1.0));
+    let lines = plain
+        .clone()
+        .with_lines(MeshLines::default().with_opacity(1.0));
     let without = gpu.display(&camera, SIZE, &plain).expect("a picture");
     let with = gpu.display(&camera, SIZE, &lines).expect("a picture");
     show("lines", &without, &with);
@@ -138,7 +145,9 @@ fn lines_lie_on_edges_of_elements_only() {
     let is_border = |x: usize, y: usize| {
         let own = *elements.pixel(x, y);
         let around = (x - 2..=x + 2).flat_map(|x| (y - 2..=y + 2).map(move |y| (x, y)));
-        around.into_iter().any(|(x, y)| *elements.pixel(x, y) != own)
+        around
+            .into_iter()
+            .any(|(x, y)| *elements.pixel(x, y) != own)
     };
     let (mut darker, mut stray, mut borders) = (0, 0, 0);
     for y in 2..178 {
@@ -166,8 +175,11 @@ fn sizes_and_cameras_that_cannot_be_drawn_are_refused() {
         assert!(!error.to_string().contains('\n'), "{error}");
     }
     camera.projection = hemicube_scene::Projection::Panorama;
-    let error = gpu.display(&camera, SIZE, &options).expect_err("a panorama");
+    let error = gpu
+        .display(&camera, SIZE, &options)
+        .expect_err("a panorama");
     assert!(error.to_string().contains("CPU"), "{error}");
     camera.forward = glam::Vec3::ZERO;
-    gpu.display(&camera, SIZE, &options).expect_err("no direction");
+    gpu.display(&camera, SIZE, &options)
+        .expect_err("no direction");
 }

@@ -112,7 +112,12 @@ impl Reliefs {
 
 fn twin(fit: &TiltFit) -> twins::TiltFit {
     let padded = |c: Rgb| [c.r, c.g, c.b, 0.0];
-    let changes: Vec<[f32; 4]> = fit.changes.as_flattened().iter().map(|&c| padded(c)).collect();
+    let changes: Vec<[f32; 4]> = fit
+        .changes
+        .as_flattened()
+        .iter()
+        .map(|&c| padded(c))
+        .collect();
     twins::TiltFit {
         right: fit.right.to_array(),
         padding_0: 0,

@@ -104,16 +104,21 @@ impl CubePass {
         };
         let written = level_view(&cube.seen, 0);
         let inputs = [(2, BindingResource::TextureView(picture))];
-        self.face.run(context, encoder, params, &written, &inputs, 1);
+        self.face
+            .run(context, encoder, params, &written, &inputs, 1);
     }
 
     /// Makes the levels of a cube whose faces were taken.
     pub(crate) fn blur(&self, context: &Context, encoder: &mut CommandEncoder, cube: &Cube) {
         for level in 1..cube.seen.mip_level_count() {
             let params = params(cube, level, 0);
-            let (written, finer) = (level_view(&cube.seen, level), level_view(&cube.seen, level - 1));
+            let (written, finer) = (
+                level_view(&cube.seen, level),
+                level_view(&cube.seen, level - 1),
+            );
             let inputs = [(3, BindingResource::TextureView(&finer))];
-            self.halve.run(context, encoder, params, &written, &inputs, 6);
+            self.halve
+                .run(context, encoder, params, &written, &inputs, 6);
         }
         let source = cube.seen.create_view(&TextureViewDescriptor {
             dimension: Some(TextureViewDimension::Cube),
@@ -125,7 +130,11 @@ impl CubePass {
             let roughness = level as f32 / (levels - 1).max(1) as f32;
             let samples = lobe(roughness);
             let lobe = filled(&context.device, "lobe", &samples, BufferUsages::STORAGE);
-            let used = if roughness > 0.0 { count(samples.len()) } else { 0 };
+            let used = if roughness > 0.0 {
+                count(samples.len())
+            } else {
+                0
+            };
             let params = params(cube, level, used);
             let inputs = [
                 (4, BindingResource::TextureView(&source)),
@@ -133,7 +142,8 @@ impl CubePass {
                 (6, lobe.as_entire_binding()),
             ];
             let written = level_view(&cube.blurred, level);
-            self.blur.run(context, encoder, params, &written, &inputs, 6);
+            self.blur
+                .run(context, encoder, params, &written, &inputs, 6);
         }
     }
 }

@@ -8,8 +8,8 @@ use crate::buffer::filled;
 use crate::context::Context;
 use crate::error::GpuError;
 use crate::hemicube::count;
-use crate::pass::light::VertexSources;
 use crate::pass::bump::ReliefMesh;
+use crate::pass::light::VertexSources;
 use core::ops::Range;
 use glam::Vec3;
 use hemicube_radiosity::drawn::{DrawnMesh, DrawnPart};
@@ -99,11 +99,21 @@ impl Geometry {
         let largest = context.limits.max_buffer_size;
         let bytes = size_of_val(layout.vertices.as_slice()) as u64;
         context.allow("vertices", bytes, largest, "bytes")?;
-        context.allow("edges", size_of_val(edges.as_slice()) as u64, largest, "bytes")?;
+        context.allow(
+            "edges",
+            size_of_val(edges.as_slice()) as u64,
+            largest,
+            "bytes",
+        )?;
         let device = &context.device;
         let buffer = |label, data: &[u32]| filled(device, label, data, BufferUsages::INDEX);
         let geometry = Self {
-            vertices: filled(device, "vertices", &some(&layout.vertices), BufferUsages::VERTEX),
+            vertices: filled(
+                device,
+                "vertices",
+                &some(&layout.vertices),
+                BufferUsages::VERTEX,
+            ),
             indices: buffer("triangles", some(&layout.triangles).as_flattened()),
             runs,
             edges: filled(device, "edges", &some(&edges), BufferUsages::VERTEX),
@@ -245,7 +255,9 @@ impl Layout {
         let turns = [[a, b, c], [b, c, a], [c, a, b]];
         let is = |wanted: u32| {
             let claims = &self.claims;
-            turns.iter().find(move |turn| claims[turn[0] as usize] == wanted)
+            turns
+                .iter()
+                .find(move |turn| claims[turn[0] as usize] == wanted)
         };
         if let Some(&turn) = is(element).or_else(|| is(UNCLAIMED)) {
             self.claim(turn[0], element);

@@ -55,7 +55,12 @@ impl DeviceMap {
         for (level, map) in (0..).zip(levels) {
             write(context, &texture, level, map, 1.0 / scale);
         }
-        Ok(Self::of_texture(context, &texture, base.projection(), scale))
+        Ok(Self::of_texture(
+            context,
+            &texture,
+            base.projection(),
+            scale,
+        ))
     }
 
     /// A texture that was filled on the device.
@@ -149,7 +154,12 @@ fn check(
 ) -> Result<(), GpuError> {
     let longest = base.width().max(base.height()) as u64;
     let allowed = u64::from(context.limits.max_texture_dimension_2d);
-    context.allow("texels of an environment's side", longest, allowed, "texels")?;
+    context.allow(
+        "texels of an environment's side",
+        longest,
+        allowed,
+        "texels",
+    )?;
     for (level, map) in levels.iter().enumerate() {
         let halved = |side: usize| (side >> level).max(1);
         let wanted = (halved(base.width()), halved(base.height()));
@@ -162,12 +172,19 @@ fn check(
         }
     }
     let most = 1 + longest.max(1).ilog2();
-    context.allow("levels of an environment", levels.len() as u64, most.into(), "levels")
+    context.allow(
+        "levels of an environment",
+        levels.len() as u64,
+        most.into(),
+        "levels",
+    )
 }
 
 fn write(context: &Context, texture: &Texture, level: u32, map: &EnvironmentMap, factor: f32) {
     let texel = |c: &hemicube_raster::Rgb| {
-        let [r, g, b] = c.to_array().map(|band| f16::from_f32(band * factor).to_bits());
+        let [r, g, b] = c
+            .to_array()
+            .map(|band| f16::from_f32(band * factor).to_bits());
         [r, g, b, f16::ONE.to_bits()]
     };
     let texels: Vec<[u16; 4]> = map.texels().iter().map(texel).collect();

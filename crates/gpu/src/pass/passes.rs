@@ -38,8 +38,7 @@ impl Passes {
         let scene = scene_layout(context);
         let textured = TexturedPass::new(context, &scene);
         let bump = BumpPass::new(context, &scene, &textured.layout);
-        let environment =
-            EnvironmentPass::new(context, &scene, &textured.layout, &bump.layout);
+        let environment = EnvironmentPass::new(context, &scene, &textured.layout, &bump.layout);
         Self {
             light: LightPass::new(context),
             lit: SurfacePass::lit(&scene),

@@ -5,8 +5,8 @@ use hemicube_shaders::Shader;
 use std::collections::HashMap;
 use std::hash::Hash;
 use wgpu::{
-    BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, Device, RenderPipeline,
-    TextureFormat, VertexBufferLayout,
+    BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, Device,
+    RenderPipeline, TextureFormat, VertexBufferLayout,
 };
 
 /// Format of depth. Depth is reversed, 1 near and 0 far, which floats resolve evenly.

@@ -181,7 +181,11 @@ impl Surfaces {
     /// Draws all solid surfaces with the pipeline and the bindings that are set.
     pub(crate) fn draw_solid(&self, pass: &mut RenderPass<'_>) {
         self.set_buffers(pass);
-        let solid = self.geometry.runs.iter().filter(|run| run.cover == Cover::Solid);
+        let solid = self
+            .geometry
+            .runs
+            .iter()
+            .filter(|run| run.cover == Cover::Solid);
         let end = solid.map(|run| run.indices.end).max().unwrap_or(0);
         pass.draw_indexed(0..end, 0, 0..1);
     }

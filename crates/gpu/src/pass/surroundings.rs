@@ -9,7 +9,9 @@ use crate::pass::view::Window;
 use glam::Vec3;
 use hemicube_scene::{Camera, Projection};
 use hemicube_shaders::surface as twins;
-use wgpu::{BindGroup, BindGroupLayout, BindingResource, BufferUsages, RenderPipeline, ShaderStages};
+use wgpu::{
+    BindGroup, BindGroupLayout, BindingResource, BufferUsages, RenderPipeline, ShaderStages,
+};
 
 /// Draws what is behind everything.
 #[derive(Debug)]
@@ -91,9 +93,15 @@ fn half_sides(camera: &Camera, aspect: f64) -> [Vec3; 2] {
         return [Vec3::ZERO; 2];
     };
     let forward = camera.forward.normalize_or(Vec3::NEG_Z);
-    let up = camera.up.reject_from_normalized(forward).normalize_or_zero();
+    let up = camera
+        .up
+        .reject_from_normalized(forward)
+        .normalize_or_zero();
     let half = (0.5 * vertical_fov).tan();
-    #[expect(clippy::cast_possible_truncation, reason = "directions are kept in f32")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "directions are kept in f32"
+    )]
     let aspect = aspect as f32;
     [forward.cross(up) * (half * aspect), up * half]
 }

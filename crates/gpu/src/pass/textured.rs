@@ -73,11 +73,7 @@ impl TexturedPass {
     pub(crate) fn new(context: &Context, scene: &BindGroupLayout) -> Self {
         let layout = texture_layout(context);
         Self {
-            pipelines: SurfacePass::new(
-                "textured surfaces",
-                &twins::TEXTURED,
-                &[scene, &layout],
-            ),
+            pipelines: SurfacePass::new("textured surfaces", &twins::TEXTURED, &[scene, &layout]),
             layout,
         }
     }

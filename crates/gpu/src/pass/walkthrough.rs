@@ -182,7 +182,8 @@ impl Walkthrough {
         let plan = planned(solution, wanted)?;
         let count = plan.sites.len();
         let mirrors = Mirrors::taken(&self.context, plan, wanted.resolution, lookup);
-        self.surfaces.set_mirrors(Vec::new(), &mirrors.plan.of_parts);
+        self.surfaces
+            .set_mirrors(Vec::new(), &mirrors.plan.of_parts);
         self.mirrors = Some(mirrors);
         Ok(count)
     }
@@ -532,7 +533,8 @@ impl Walkthrough {
                 reflections: options.reflections,
                 without: picture.without,
             };
-            self.surfaces.draw_solid_lit(context, passes, &mut pass, how);
+            self.surfaces
+                .draw_solid_lit(context, passes, &mut pass, how);
             if let Some(map) = &self.surroundings {
                 let around = &mut passes.surroundings;
                 let seen = (picture.aspect, picture.samples.window(), &picture.view);
@@ -543,10 +545,13 @@ impl Walkthrough {
                 pass.set_bind_group(0, &bindings, &[]);
             }
             let camera = picture.camera;
-            self.surfaces.draw_layers(context, passes, &mut pass, how, camera);
+            self.surfaces
+                .draw_layers(context, passes, &mut pass, how, camera);
         }
         if let Some(lines) = options.lines {
-            let line = passes.overlay.bindings(context, lines, picture.tones, scale);
+            let line = passes
+                .overlay
+                .bindings(context, lines, picture.tones, scale);
             pass.set_pipeline(&passes.overlay.pipeline(context, frame.pixels));
             pass.set_bind_group(1, &line, &[]);
             self.surfaces.geometry.draw_edges(&mut pass);
@@ -684,7 +689,10 @@ fn exposure(options: &DrawOptions) -> f32 {
 
 /// The sky, dimmed with its group.
 fn sky(solution: &Solution) -> Rgb {
-    let dim = solution.groups().last().map_or(Rgb::WHITE, |group| group.dim);
+    let dim = solution
+        .groups()
+        .last()
+        .map_or(Rgb::WHITE, |group| group.dim);
     solution.mesh().scene().sky * dim
 }
 

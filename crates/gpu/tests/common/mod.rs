@@ -24,7 +24,10 @@ pub fn context() -> Option<Arc<Context>> {
 /// A few shots into a scene: enough light for a picture.
 pub fn lit(scene: Scene, elements: usize) -> Solution {
     let mut options = SolveOptions::default();
-    options.mesh = options.mesh.with_elements(elements).with_patches(elements / 8);
+    options.mesh = options
+        .mesh
+        .with_elements(elements)
+        .with_patches(elements / 8);
     let start = unlit(Arc::new(scene), &options, NEVER).expect("a start");
     let hemicube = HemicubeOptions::default().with_resolution(32);
     let factors = Hemicube::new(start.mesh().clone(), hemicube).expect("factors");
@@ -62,7 +65,11 @@ pub struct Difference {
 pub fn difference(a: &Image<Rgb>, b: &Image<Rgb>) -> Difference {
     assert_eq!((a.width(), a.height()), (b.width(), b.height()), "sizes");
     let mean = |image: &Image<Rgb>| {
-        let sum: f64 = image.pixels().iter().map(|c| f64::from(c.luminance())).sum();
+        let sum: f64 = image
+            .pixels()
+            .iter()
+            .map(|c| f64::from(c.luminance()))
+            .sum();
         sum / image.pixels().len() as f64
     };
     let scale = mean(a);
