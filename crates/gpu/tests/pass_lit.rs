@@ -3,11 +3,16 @@
 mod common;
 
 use common::{camera, context, difference, lit_builtin, show};
+use hemicube_gpu::GpuShooting;
 use hemicube_gpu::pass::{DrawOptions, Interpolation, MeshLines, Smoothing, Walkthrough};
-use hemicube_radiosity::DrawnMesh;
+use hemicube_radiosity::form_factor::hemicube::HemicubeOptions;
+use hemicube_radiosity::stop::NEVER;
+use hemicube_radiosity::{DrawnMesh, SolveOptions, Solver, unlit};
 use hemicube_raster::tonemap::{Exposure, ToneMap};
 use hemicube_raster::{Image, Rgb};
 use hemicube_render::{RenderOptions, Shading, render, render_display};
+use hemicube_scene::builtin;
+use std::sync::Arc;
 
 const SIZE: [u32; 2] = [240, 180];
 
@@ -50,6 +55,44 @@ fn pictures_are_those_of_the_cpu() {
         assert!(off.share < 6e-3, "{shading}: {off:?}");
         assert!(off.of_99 < 2e-3, "{shading}: {off:?}");
     }
+}
+
+#[test]
+fn light_that_is_solved_on_the_device_is_drawn_from_there() {
+    let Some(context) = context() else { return };
+    let scene = Arc::new(builtin::scene("cornell").expect("a built-in scene"));
+    let mut options = SolveOptions::default();
+    options.mesh = options.mesh.with_elements(600).with_patches(100);
+    let start = unlit(scene, &options, NEVER).expect("a start");
+    let camera = camera(&start);
+    let mut gpu = Walkthrough::new(context.clone(), &start).expect("a scene");
+    let hemicube = HemicubeOptions::default().with_resolution(64);
+    let mut solver = GpuShooting::new(context, start, hemicube).expect("a solver");
+    let drawn = DrawOptions::default().with_smoothing(Smoothing::None);
+    gpu.set_light_of(&solver).expect("the same mesh");
+    let dark = gpu.linear(&camera, SIZE, &drawn).expect("a picture");
+    for _ in 0..4 {
+        solver.step();
+    }
+    // Ends the shot that is under way.
+    solver.settle();
+    gpu.set_light_of(&solver).expect("the same mesh");
+    let found = gpu.linear(&camera, SIZE, &drawn).expect("a picture");
+    gpu.set_light(solver.solution()).expect("the same mesh");
+    let expected = gpu.linear(&camera, SIZE, &drawn).expect("a picture");
+    let off = difference(&expected, &found);
+    assert!(off.of_99 < 1e-6, "{off:?}");
+    assert!(difference(&expected, &dark).mean > 0.3, "light has come");
+}
+
+#[test]
+fn light_of_another_mesh_is_refused() {
+    let Some(context) = context() else { return };
+    let mut gpu = Walkthrough::new(context, &lit_builtin("cornell", 300)).expect("a scene");
+    let error = gpu
+        .set_light(&lit_builtin("cornell", 600))
+        .expect_err("other elements");
+    assert!(error.to_string().contains("anew"), "{error}");
 }
 
 #[test]

@@ -1,9 +1,8 @@
 //! Pictures on the device: those that are drawn into, and how they come to the CPU.
 
-use crate::buffer::empty;
+use crate::buffer::{empty, read};
 use crate::context::Context;
 use crate::error::GpuError;
-use crate::hemicube::read;
 use crate::pass::lit::Pixels;
 use crate::pass::pipeline::DEPTH;
 use wgpu::{

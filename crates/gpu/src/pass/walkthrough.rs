@@ -65,7 +65,7 @@ impl Walkthrough {
     /// Puts a solution on the device.
     ///
     /// # Errors
-    /// A mesh that does not fit the adapter's limits.
+    /// A mesh that does not fit the adapter's limits or its memory.
     pub fn new(context: Arc<Context>, solution: &Solution) -> Result<Self, GpuError> {
         let passes = Arc::new(Mutex::new(Passes::new(&context)));
         Self::with_passes(context, passes, solution)
@@ -84,7 +84,7 @@ impl Walkthrough {
         passes: Arc<Mutex<Passes>>,
         solution: &Solution,
     ) -> Result<Self, GpuError> {
-        let surfaces = Surfaces::new(&context, &locked(&passes), solution)?;
+        let surfaces = context.guard(|| Surfaces::new(&context, &locked(&passes), solution))?;
         let mut walkthrough = Self {
             sky: Rgb::BLACK,
             surroundings: None,

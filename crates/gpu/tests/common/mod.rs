@@ -1,7 +1,10 @@
 //! What tests of pictures share: a device, lit scenes, differences between pictures.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
-use hemicube_gpu::Context;
+#[path = "../device/mod.rs"]
+mod device;
+
+pub use device::context;
 use hemicube_radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
 use hemicube_radiosity::solve::shooting::{Order, Shooting};
 use hemicube_radiosity::stop::NEVER;
@@ -9,17 +12,6 @@ use hemicube_radiosity::{Solution, SolveOptions, Solver, unlit};
 use hemicube_raster::{Image, Rgb};
 use hemicube_scene::{Camera, Scene, builtin};
 use std::sync::Arc;
-
-/// A device, or none where there is no adapter.
-pub fn context() -> Option<Arc<Context>> {
-    match Context::headless(None) {
-        Ok(context) => Some(Arc::new(context)),
-        Err(error) => {
-            println!("skipped: {error}");
-            None
-        }
-    }
-}
 
 /// A few shots into a scene: enough light for a picture.
 pub fn lit(scene: Scene, elements: usize) -> Solution {
