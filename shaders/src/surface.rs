@@ -68,14 +68,14 @@ pub struct View {
     pub flags: u32,
     /// Largest diffuse reflectance.
     pub max_reflectance: f32,
-    /// `MINIFY_*`.
-    pub minify: u32,
-    /// `MAGNIFY_*`.
-    pub magnify: u32,
     /// How much longer than wide a footprint may be.
     pub max_anisotropy: f32,
     /// Radius of EWA's Gaussian around a pixel's middle, in pixels.
     pub ewa_radius: f32,
+    /// Unused.
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
 }
 
 /// The element's own light instead of that between vertices.
@@ -83,10 +83,6 @@ pub const VIEW_FLAT: u32 = 1;
 /// Metals reflect like everything else.
 pub const VIEW_METALS_DIFFUSE: u32 = 2;
 
-/// By the sampler.
-pub const MINIFY_SAMPLER: u32 = 0;
-/// Elliptical weighted average.
-pub const MINIFY_EWA: u32 = 1;
 /// By the sampler.
 pub const MAGNIFY_SAMPLER: u32 = 0;
 /// Catmull and Rom.
@@ -104,14 +100,12 @@ pub struct Slot {
     pub matrix: [f32; 4],
     /// What is added.
     pub offset: [f32; 2],
-    /// `SLOT_*` bits, 0 without a texture.
+    /// `SLOT_*` bits.
     pub flags: u32,
     /// Unused.
     pub padding: u32,
 }
 
-/// There is a texture.
-pub const SLOT_PRESENT: u32 = 1;
 /// It uses the second set of coordinates.
 pub const SLOT_SECOND: u32 = 2;
 /// It uses a set that the mesh does not have.
@@ -159,11 +153,6 @@ pub struct Material {
 pub const MATERIAL_MASK: u32 = 1;
 /// Alpha is coverage.
 pub const MATERIAL_BLEND: u32 = 2;
-/// The relief is a normal map.
-pub const MATERIAL_NORMALS: u32 = 4;
-/// The relief is a picture of heights.
-pub const MATERIAL_HEIGHTS: u32 = 8;
-
 /// Number of the base colour's slot.
 pub const SLOT_BASE: u32 = 0;
 /// Of the metallic share's.
@@ -206,6 +195,12 @@ pub const CORNER_TURNED: u32 = 4;
 
 /// Bits of a vertex's corner from which on the number of its triangle stands, among those with a relief.
 pub const CORNER_TRIANGLE_SHIFT: u32 = 3;
+/// There is no relief.
+pub const RELIEF_NONE: u32 = 0;
+/// It is a normal map.
+pub const RELIEF_NORMALS: u32 = 1;
+/// It is a picture of heights.
+pub const RELIEF_HEIGHTS: u32 = 2;
 /// Directions on each of three rings.
 pub const RELIEF_AROUND: u32 = 8;
 

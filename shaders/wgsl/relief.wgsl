@@ -17,6 +17,13 @@ struct TiltFit {
 // Irradiance of vertices.
 @group(2) @binding(2) var<storage, read> vertex_light: array<vec4<f32>>;
 
+// What the material's relief is, RELIEF_*.
+override RELIEF: u32 = 1u;
+
+const RELIEF_NONE: u32 = 0u;
+const RELIEF_NORMALS: u32 = 1u;
+const RELIEF_HEIGHTS: u32 = 2u;
+
 const RELIEF_AROUND: u32 = 8u;
 // Bits of a vertex's corner from which on the number of its triangle stands.
 const CORNER_TRIANGLE_SHIFT: u32 = 3u;
@@ -78,13 +85,14 @@ fn gradient_of(m: vec3<f32>, along: vec3<f32>, bitangent: vec3<f32>) -> vec3<f32
 }
 
 fn bumped_at(material: Material, in: Fragment, footprint: Footprint, flat_side: vec3<f32>) -> Bumped {
-    var m: vec3<f32>;
-    if (material.flags & MATERIAL_NORMALS) != 0u {
-        m = normal_of_texel(material, footprint);
-    } else if (material.flags & MATERIAL_HEIGHTS) != 0u {
-        m = normal_of_heights(material, footprint);
-    } else {
+    if RELIEF == RELIEF_NONE {
         return Bumped(flat_side, 0.0);
+    }
+    var m: vec3<f32>;
+    if RELIEF == RELIEF_NORMALS {
+        m = normal_of_texel(material, footprint);
+    } else {
+        m = normal_of_heights(material, footprint);
     }
     let side = select(1.0, -1.0, (in.corner & CORNER_TURNED) != 0u);
     let bitangent = cross(flat_side * side, in.tangent) * in.sign;
@@ -149,7 +157,7 @@ fn tilt_factor(fit: u32, tilt: vec3<f32>) -> vec3<f32> {
 
 // Irradiance of a normal that a relief has turned.
 fn tilted_light(in: Fragment, flat_side: vec3<f32>, bumped: vec3<f32>) -> vec3<f32> {
-    if all(bumped == flat_side) {
+    if RELIEF == RELIEF_NONE || all(bumped == flat_side) {
         return solved_light(in);
     }
     let tilt = bumped - flat_side * dot(flat_side, bumped);

@@ -3,8 +3,8 @@
 mod common;
 
 use common::{camera, context, difference, lit_builtin, show};
-use hemicube_gpu::GpuShooting;
-use hemicube_gpu::pass::{DrawOptions, Interpolation, MeshLines, Smoothing, Walkthrough};
+use hemicube_gpu::pass::{DrawOptions, Interpolation, MeshLines, Smoothing, Target, Walkthrough};
+use hemicube_gpu::{Context, GpuShooting};
 use hemicube_radiosity::form_factor::hemicube::HemicubeOptions;
 use hemicube_radiosity::stop::NEVER;
 use hemicube_radiosity::{DrawnMesh, SolveOptions, Solver, unlit};
@@ -225,4 +225,99 @@ fn sizes_and_cameras_that_cannot_be_drawn_are_refused() {
     camera.forward = glam::Vec3::ZERO;
     gpu.display(&camera, SIZE, &options)
         .expect_err("no direction");
+}
+
+/// The same picture in targets of other formats: encoded here where the format does not do it, in the bytes' order.
+#[test]
+fn formats_show_the_same_colours() {
+    let Some(context) = context() else { return };
+    let solution = lit_builtin("cornell", 300);
+    let camera = camera(&solution);
+    // A device that somebody else has made.
+    let (device, queue) = (context.device.clone(), context.queue.clone());
+    let context = Arc::new(Context::from_wgpu("window", device, queue).expect("good limits"));
+    let mut gpu = Walkthrough::new(context.clone(), &solution).expect("a scene");
+    let options = DrawOptions::default().with_smoothing(Smoothing::None);
+    let linear = gpu.display(&camera, SIZE, &options).expect("a picture");
+    let encoded = |c: Rgb| c.to_array().map(hemicube_raster::color::srgb8_from_linear);
+    let expected: Vec<[u8; 3]> = linear.pixels().iter().map(|&c| encoded(c)).collect();
+    use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
+    for format in [Rgba8Unorm, Rgba8UnormSrgb, Bgra8Unorm, Bgra8UnormSrgb] {
+        let bytes = drawn_in(&context, &mut gpu, (&camera, &options), format);
+        let is_turned = [Bgra8Unorm, Bgra8UnormSrgb].contains(&format);
+        for (texel, expected) in bytes.chunks_exact(4).zip(&expected) {
+            let [r, g, b] = if is_turned { [2, 1, 0] } else { [0, 1, 2] }.map(|i| texel[i]);
+            let off = [
+                r.abs_diff(expected[0]),
+                g.abs_diff(expected[1]),
+                b.abs_diff(expected[2]),
+            ];
+            // Encoders of drivers round on their own.
+            assert!(
+                off.iter().all(|&o| o <= 2),
+                "{format:?}: {texel:?}, not {expected:?}"
+            );
+        }
+    }
+}
+
+/// Draws into a texture of a format and reads its bytes.
+fn drawn_in(
+    context: &Context,
+    gpu: &mut Walkthrough,
+    (camera, options): (&hemicube_scene::Camera, &DrawOptions),
+    format: wgpu::TextureFormat,
+) -> Vec<u8> {
+    // Rows of 256 bytes need no filling.
+    let (width, height) = (SIZE[0].next_multiple_of(64), SIZE[1]);
+    let size = wgpu::Extent3d {
+        width: SIZE[0],
+        height,
+        depth_or_array_layers: 1,
+    };
+    let texture = context.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let buffer = context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(4 * width * height),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = context.device.create_command_encoder(&Default::default());
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let target = Target {
+        view: &view,
+        format,
+        size: SIZE,
+    };
+    gpu.draw(&mut encoder, target, camera, options)
+        .expect("a picture");
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * width),
+        rows_per_image: None,
+    };
+    let to = wgpu::TexelCopyBufferInfo {
+        buffer: &buffer,
+        layout,
+    };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, size);
+    context.queue.submit([encoder.finish()]);
+    buffer.map_async(wgpu::MapMode::Read, .., |mapped| {
+        mapped.expect("it can be read")
+    });
+    context.wait().expect("the device works");
+    let view = buffer.get_mapped_range(..).expect("it is mapped");
+    let rows = view.chunks_exact(4 * width as usize);
+    rows.flat_map(|row| &row[..4 * SIZE[0] as usize])
+        .copied()
+        .collect()
 }

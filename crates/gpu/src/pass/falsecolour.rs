@@ -65,6 +65,7 @@ impl FalseColourPass {
                 module,
                 vertex: "vertex",
                 fragment,
+                constants: &[],
                 layouts: &layouts,
                 buffers: &surface_buffers(),
                 is_strip: false,

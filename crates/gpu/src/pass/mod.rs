@@ -7,6 +7,7 @@
 mod antialias;
 mod bump;
 mod cube;
+mod draw;
 mod environment;
 mod falsecolour;
 mod geometry;
@@ -20,6 +21,7 @@ mod overlay;
 mod passes;
 mod pick;
 mod pipeline;
+mod readback;
 mod reflections;
 mod surfaces;
 mod surroundings;

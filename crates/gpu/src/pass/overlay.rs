@@ -78,6 +78,7 @@ impl OverlayPass {
                 module,
                 vertex: "line_vertex",
                 fragment: "line_fragment",
+                constants: &[],
                 layouts: &layouts,
                 buffers: &edge_buffers(),
                 is_strip: true,

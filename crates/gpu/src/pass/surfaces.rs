@@ -7,7 +7,7 @@ use crate::pass::bump::Reliefs;
 use crate::pass::geometry::{Cover, Geometry};
 use crate::pass::layers::Layers;
 use crate::pass::light::SurfaceLight;
-use crate::pass::lit::{Pixels, Stage};
+use crate::pass::lit::{Pixels, Stage, Variant};
 use crate::pass::material::{materials, slots};
 use crate::pass::passes::Passes;
 use crate::pass::textured::{MaterialTextures, TextureFiltering};
@@ -260,17 +260,21 @@ impl Surfaces {
         how: How,
     ) {
         let drawn = self.drawn(run, how);
-        let pipelines = match drawn {
-            Drawn::Lit => &mut passes.lit,
-            Drawn::Textured(_) => &mut passes.textured.pipelines,
-            Drawn::Bumped(_) => &mut passes.bump.pipelines,
-            Drawn::Mirroring(..) => &mut passes.environment.pipelines,
+        let (pipelines, material) = match drawn {
+            Drawn::Lit => (&mut passes.lit, None),
+            Drawn::Textured(of) => (&mut passes.textured.pipelines, Some(of)),
+            Drawn::Bumped(of) => (&mut passes.bump.pipelines, Some(of)),
+            Drawn::Mirroring(of, _) => (&mut passes.environment.pipelines, Some(of)),
         };
-        pass.set_pipeline(&pipelines.pipeline(context, stage, how.pixels));
-        let material = match drawn {
-            Drawn::Lit => return,
-            Drawn::Textured(of) | Drawn::Bumped(of) | Drawn::Mirroring(of, _) => of,
-        };
+        let materials = &self.scene.materials;
+        let mut variant =
+            material.map_or_else(Variant::default, |of| how.filtering.variant(&materials[of]));
+        if !how.bumps || matches!(drawn, Drawn::Textured(_)) {
+            variant.relief = 0;
+            variant.slots &= !(1 << twins::SLOT_RELIEF);
+        }
+        pass.set_pipeline(&pipelines.pipeline(context, stage, how.pixels, variant));
+        let Some(material) = material else { return };
         let layout = &passes.textured.layout;
         let textures = &mut self.textures;
         let bound = textures.of(context, layout, &self.scene, material, how.filtering);

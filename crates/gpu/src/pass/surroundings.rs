@@ -39,6 +39,7 @@ impl SurroundingsPass {
                 module,
                 vertex: "screen",
                 fragment: "surroundings",
+                constants: &[],
                 layouts: &[layout],
                 buffers: &[],
                 is_strip: false,
