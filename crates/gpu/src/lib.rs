@@ -3,6 +3,9 @@
 //! [`Context`] is a device without a window, [`adapters`] lists what this machine has. [`GpuHemicube`] is the twin of
 //! [`Hemicube`](hemicube_radiosity::form_factor::hemicube::Hemicube): the same hemicubes, drawn and summed on the device.
 //!
+//! [`pass`] draws pictures of solutions: lit surfaces with textures, bumps, mirrors, antialiasing and tones, from light that
+//! may stay on the device.
+//!
 //! # Current state
 //! Nothing here panics because of a device: what it cannot do is a [`GpuError`], and form
 //! factors go on with the CPU when it is lost.
