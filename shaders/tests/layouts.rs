@@ -1,7 +1,7 @@
 //! Every shader is valid, and the structs and constants that it shares with Rust are the same there.
 
 use core::mem::{offset_of, size_of};
-use hemicube_shaders::{Shader, all, hemicube, raycast, shooting};
+use hemicube_shaders::{Shader, all, hemicube, raycast, shooting, surface};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 fn parsed(shader: &Shader) -> Result<naga::Module, String> {
@@ -49,6 +49,19 @@ fn twins() -> Vec<Twin> {
         twin!(shooting::ShootingPatch: first_element, elements, first_view, views, normal, padding),
         twin!(shooting::ShotView: origin, weight, tangent, least_near),
         twin!(shooting::ShotState: shooter, view, views, shots, weight, unshot, largest, most_shots),
+        twin!(surface::View: clip_from_world, eye, background, exposure, size, flags, max_reflectance, max_anisotropy, ewa_radius, padding_0, padding_1),
+        twin!(surface::Slot: matrix, offset, flags, padding),
+        twin!(surface::Material: base_color, alpha, emission, metallic, roughness, transmission, cutoff, flags, relief_size, relief, padding, slots),
+        twin!(surface::LightParams: elements, vertices, groups, padding, extra),
+        twin!(surface::LineParams: color, width, lift, padding_0, padding_1),
+        twin!(surface::ToneParams: curve, encodes, samples, padding),
+        twin!(surface::TiltFit: right, padding_0, up, padding_1, changes),
+        twin!(surface::Mirror: position, scale, low, has_room, high, projection, levels, by_normal, padding_0, padding_1),
+        twin!(surface::Surroundings: right, projection, up, scale, forward, padding_0, size, map_size, window_scale, window_offset),
+        twin!(surface::CubeParams: side, face, samples, source_side),
+        twin!(surface::LobeSample: direction, solid_angle, weight, padding_0, padding_1, padding_2),
+        twin!(surface::FilterParams: factor, taps, padding_0, padding_1),
+        twin!(surface::FieldParams: line_color, missing, weights, low, high, spacing, start, width, padding_0, padding_1, padding_2),
     ]
 }
 
@@ -93,6 +106,49 @@ fn constants_have_the_same_values_in_rust() {
         ("SEGMENT", hemicube::SEGMENT),
         ("STACK", raycast::STACK),
         ("CHANNEL_WORDS", shooting::CHANNEL_WORDS),
+        ("VIEW_FLAT", surface::VIEW_FLAT),
+        ("VIEW_METALS_DIFFUSE", surface::VIEW_METALS_DIFFUSE),
+        ("MAGNIFY_SAMPLER", surface::MAGNIFY_SAMPLER),
+        ("MAGNIFY_CATMULL_ROM", surface::MAGNIFY_CATMULL_ROM),
+        ("MAGNIFY_B_SPLINE", surface::MAGNIFY_B_SPLINE),
+        ("MAGNIFY_MITCHELL", surface::MAGNIFY_MITCHELL),
+        ("SLOT_SECOND", surface::SLOT_SECOND),
+        ("SLOT_NOWHERE", surface::SLOT_NOWHERE),
+        ("SLOT_BLOCKS", surface::SLOT_BLOCKS),
+        ("SLOT_PREMULTIPLIED", surface::SLOT_PREMULTIPLIED),
+        ("SLOT_WRAP_U_SHIFT", surface::SLOT_WRAP_U_SHIFT),
+        ("SLOT_WRAP_V_SHIFT", surface::SLOT_WRAP_V_SHIFT),
+        ("MATERIAL_MASK", surface::MATERIAL_MASK),
+        ("MATERIAL_BLEND", surface::MATERIAL_BLEND),
+        ("SLOT_BASE", surface::SLOT_BASE),
+        ("SLOT_METALLIC", surface::SLOT_METALLIC),
+        ("SLOT_ROUGHNESS", surface::SLOT_ROUGHNESS),
+        ("SLOT_EMISSION", surface::SLOT_EMISSION),
+        ("SLOT_TRANSMISSION", surface::SLOT_TRANSMISSION),
+        ("SLOT_RELIEF", surface::SLOT_RELIEF),
+        ("CORNER_NUMBER", surface::CORNER_NUMBER),
+        ("CORNER_TURNED", surface::CORNER_TURNED),
+        ("CORNER_TRIANGLE_SHIFT", surface::CORNER_TRIANGLE_SHIFT),
+        ("RELIEF_NONE", surface::RELIEF_NONE),
+        ("RELIEF_NORMALS", surface::RELIEF_NORMALS),
+        ("RELIEF_HEIGHTS", surface::RELIEF_HEIGHTS),
+        ("RELIEF_AROUND", surface::RELIEF_AROUND),
+        ("PROJECTION_CUBE", surface::PROJECTION_CUBE),
+        ("PROJECTION_LATLONG", surface::PROJECTION_LATLONG),
+        ("PROJECTION_SPHERE", surface::PROJECTION_SPHERE),
+        ("PROJECTION_PARABOLOID", surface::PROJECTION_PARABOLOID),
+        ("PROJECTION_OCTAHEDRAL", surface::PROJECTION_OCTAHEDRAL),
+        ("PROJECTION_ANGULAR", surface::PROJECTION_ANGULAR),
+        ("PROJECTION_FISHEYE", surface::PROJECTION_FISHEYE),
+        (
+            "PROJECTION_HEMISPHERICAL",
+            surface::PROJECTION_HEMISPHERICAL,
+        ),
+        ("SPLIT_SUM_SIDE", surface::SPLIT_SUM_SIDE),
+        ("CURVE_REINHARD", surface::CURVE_REINHARD),
+        ("CURVE_ACES", surface::CURVE_ACES),
+        ("CURVE_NONE", surface::CURVE_NONE),
+        ("CURVE_LINEAR", surface::CURVE_LINEAR),
     ];
     for (name, value) in constants {
         let values: Vec<u32> = modules

@@ -13,6 +13,7 @@ fn program_without_a_gpu_says_how_to_build_one() {
     for args in [
         &["adapters"][..],
         &["solve", "cornell", "--form-factors", "gpu"],
+        &["render", "cornell", "-o", "a.png", "--draw-on", "gpu"],
         &["form-factors", "cornell", "--method", "gpu-raycast"],
     ] {
         let output = folder.run(args);
@@ -168,5 +169,77 @@ mod built {
         let context = Context::headless(None).expect("there is an adapter");
         let solver = GpuShooting::new(context.into(), start, options.hemicube).expect("it fits");
         assert_eq!(info["mesh"]["gpu_memory_bytes"], solver.bytes(), "{info}");
+    }
+
+    fn pixels(folder: &Folder, name: &str) -> Vec<[f32; 3]> {
+        let bytes = std::fs::read(folder.path(name)).expect(name);
+        let options = hemicube::raster::image::ReadOptions::default();
+        let picture = hemicube::raster::image::read_picture(&bytes, &options).expect(name);
+        picture
+            .rgb()
+            .pixels()
+            .iter()
+            .map(|c| c.to_array())
+            .collect()
+    }
+
+    #[test]
+    fn pictures_are_those_of_the_cpu() {
+        let folder = Folder::new();
+        if !has_adapter(&folder) {
+            return;
+        }
+        solve(&folder, &["--tolerance", "0.05", "-o", "lit.glb"]);
+        let size = ["--size", "96x96", "--antialias", "2x2:bartlett"];
+        for (name, more) in [("a.png", &[][..]), ("a.exr", &["--environment", "*"])] {
+            let on = |device| {
+                let file = format!("{device}-{name}");
+                let args = ["render", "lit.glb", "-o", &file, "--draw-on", device];
+                folder.done(&[&args[..], &size, more].concat());
+                pixels(&folder, &file)
+            };
+            let (cpu, gpu) = (on("cpu"), on("gpu"));
+            let bounded = |x: f32| x.min(1.0);
+            let band = |(a, b): (&f32, &f32)| (bounded(*a) - bounded(*b)).abs();
+            let off = |(a, b): (&[f32; 3], &[f32; 3])| a.iter().zip(b).map(band).sum::<f32>();
+            let sum: f32 = cpu.iter().zip(&gpu).map(off).sum();
+            let mean = sum / (3 * cpu.len()) as f32;
+            assert!(mean < 5e-3, "{name}: {mean}");
+        }
+    }
+
+    #[test]
+    fn what_a_gpu_does_not_draw_the_cpu_does_unless_one_is_required() {
+        let folder = Folder::new();
+        if !has_adapter(&folder) {
+            return;
+        }
+        let args = [
+            "render",
+            "cornell",
+            "-o",
+            "a.png",
+            "--size",
+            "16x16",
+            "--iterations",
+            "2",
+        ];
+        let gather = [
+            "--draw-on",
+            "gpu",
+            "--shading",
+            "gather",
+            "--gather-rays",
+            "4",
+        ];
+        let args = [&args[..], &MESH, &gather].concat();
+        let output = folder.run(&args);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{told}");
+        assert!(told.contains("drawing with the CPU"), "{told}");
+        let output = folder.run(&[&args[..], &["--require-gpu"]].concat());
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        assert!(told.contains("gathered by the CPU"), "{told}");
     }
 }

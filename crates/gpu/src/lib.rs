@@ -5,6 +5,8 @@
 //!
 //! [`GpuRayCast`] casts rays in compute shaders, [`GpuShooting`] keeps all of the light on the device while it shoots, and
 //! [`Gpu`] is all of that as the backend of any solver.
+//! [`pass`] draws pictures of solutions: lit surfaces with textures, bumps, mirrors, antialiasing and tones, from light that
+//! may stay on the device.
 //!
 //! # Memory and limits
 //! A million elements take about 230 MiB; [`hemicube_shaders::memory`] computes it, `hemicube info` prints it. No binding may
@@ -37,6 +39,7 @@ mod buffer;
 mod context;
 mod error;
 mod hemicube;
+pub mod pass;
 mod raycast;
 mod shooting;
 

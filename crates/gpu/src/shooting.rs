@@ -119,6 +119,11 @@ impl GpuShooting {
         self.failure.as_ref()
     }
 
+    /// Light as it lies on the device: `[group][band][element]` irradiance, then what only this solver understands.
+    pub(crate) fn light(&self) -> &Buffer {
+        &self.device.light
+    }
+
     /// Submissions so far, those that bring light to the CPU left out.
     pub fn submissions(&self) -> u64 {
         self.submissions

@@ -60,10 +60,10 @@ impl FactorWay {
 /// Which GPU, and whether it must be one.
 #[derive(Debug, Clone, Default, Args)]
 pub struct GpuArgs {
-    /// GPU for gpu and gpu-raycast, by a part of its name [default: HEMICUBE_ADAPTER, else the best]
+    /// GPU for gpu, gpu-raycast and --draw-on gpu, by a part of its name [default: HEMICUBE_ADAPTER, else the best]
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// Fail where gpu or gpu-raycast finds no GPU or loses it, instead of going on with the CPU
+    /// Fail where gpu, gpu-raycast or --draw-on gpu finds no GPU or loses it, instead of going on with the CPU
     #[arg(long)]
     pub require_gpu: bool,
 }

@@ -220,6 +220,15 @@ impl MeshArgs {
 }
 
 impl SolveArgs {
+    /// The same without the options of GPUs, if only a picture is to follow them.
+    pub fn without_gpu_of_picture(&self, uses_gpu: bool) -> Self {
+        let mut solve = self.clone();
+        if uses_gpu && !solve.mesh.form_factors.is_some_and(FactorWay::uses_gpu) {
+            solve.mesh.gpu = GpuArgs::default();
+        }
+        solve
+    }
+
     /// Options for a scene that is solved afresh.
     pub fn options(&self, scene: &Scene) -> SolveOptions {
         let mut options = self.mesh.options();

@@ -46,6 +46,11 @@ pub fn run(args: &CompareVerb, global: GlobalArgs, start: Instant) -> Result<(),
             args.picture.view_given().join(", ")
         )));
     }
+    if args.picture.uses_gpu() {
+        return Err(Failure::Usage(String::from(
+            "--draw-on gpu: variants are drawn by the CPU; leave it out",
+        )));
+    }
     let scene = Input::open(&args.scene)?.into_scene(&args.scene_options)?;
     picture::check(&scene, &args.picture)?;
     refuse_misplaced(&args.mesh, &args.mesh.options(), &scene)?;

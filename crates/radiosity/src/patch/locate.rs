@@ -72,8 +72,10 @@ impl Cut {
 
 impl Locator {
     pub(super) fn new(mesh: &PatchMesh) -> Self {
-        let mut locator = Self::default();
-        locator.patches = vec![NOWHERE; mesh.patches.len()];
+        let mut locator = Self {
+            patches: vec![NOWHERE; mesh.patches.len()],
+            ..Self::default()
+        };
         for roots in &mesh.roots {
             let ways = roots.map(|root| root.map_or(NOWHERE, |root| locator.way_to(mesh, root)));
             locator.roots.push(ways);

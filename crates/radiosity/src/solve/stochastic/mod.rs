@@ -151,7 +151,7 @@ impl Stochastic {
         if options.rays == 0 {
             return fail("a stochastic solver needs at least one ray for each receiver");
         }
-        if !(options.noise > 0.0) {
+        if options.noise.is_nan() || options.noise <= 0.0 {
             return fail("the noise to stop at must be more than 0");
         }
         let mesh = solution.mesh().clone();
