@@ -1,14 +1,19 @@
 //! Scenes that need no file.
 //!
 //! `cornell` and `two-rooms` are the rooms for which the project keeps reference values, `furnace` and the plates have
-//! solutions in closed form, `office` is for the eye.
+//! solutions in closed form, the others are for the eye: `office` and `conference-room` are rooms of every day, `chapel`,
+//! `steel-mill` and `theatre` are large.
 
 mod build;
+mod chapel;
+mod conference_room;
 mod cornell;
 mod furnace;
 mod office;
 mod plates;
 mod quads;
+mod steel_mill;
+mod theatre;
 mod two_rooms;
 
 pub use build::{SceneBuilder, Sides, Vertex};
@@ -36,6 +41,26 @@ const SCENES: &[BuiltinScene] = &[
         name: "office",
         description: "a furnished, textured study in daylight and lamplight, photometric; cameras entrance, desk, window, corner",
         make: office::scene,
+    },
+    BuiltinScene {
+        name: "conference-room",
+        description: "24 luminaires over a table and 32 chairs, photometric; cameras entrance, table, board",
+        make: conference_room::scene,
+    },
+    BuiltinScene {
+        name: "chapel",
+        description: "a thick wall of 113 tinted windows under a curved roof, photometric; cameras nave, windows, altar",
+        make: chapel::scene,
+    },
+    BuiltinScene {
+        name: "theatre",
+        description: "stage, stalls, two balconies and hundreds of lamps, for a million elements, photometric; cameras stalls, stage, balcony, boxes",
+        make: theatre::scene,
+    },
+    BuiltinScene {
+        name: "steel-mill",
+        description: "crane, ladles, trusses and a glowing strip in 30,000 polygons, photometric; cameras hall, strip, crane, furnace",
+        make: steel_mill::scene,
     },
     BuiltinScene {
         name: "two-rooms",
