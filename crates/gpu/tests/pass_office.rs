@@ -3,8 +3,11 @@
 mod common;
 
 use common::{camera, context, difference, lit_builtin, show};
-use hemicube_gpu::pass::{DrawOptions, Lookup, MeshLines, Smoothing, Walkthrough};
+use hemicube_gpu::pass::{
+    DrawOptions, Lookup, MeshLines, Smoothing, TextureFiltering, Walkthrough,
+};
 use hemicube_raster::antialias::Antialiasing;
+use hemicube_raster::texture::Minify;
 use hemicube_raster::tonemap::{Exposure, ToneMap};
 use hemicube_render::{Reflections, RenderOptions, Renderer};
 
@@ -33,6 +36,7 @@ fn the_office_is_that_of_the_cpu() {
     context.queue.submit([encoder.finish()]);
     let drawn = DrawOptions::default()
         .with_smoothing(Smoothing::Supersample(antialiasing))
+        .with_filtering(TextureFiltering::default().with_minify(Minify::Ewa))
         .with_exposure(exposure)
         .with_tone_map(ToneMap::Aces);
     let found = gpu.display(&camera, SIZE, &drawn).expect("a picture");

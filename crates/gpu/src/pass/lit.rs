@@ -12,6 +12,8 @@ use wgpu::{BindGroupLayout, RenderPipeline, ShaderStages, TextureFormat};
 pub(crate) enum Stage {
     /// All of one that hides what is behind.
     Opaque,
+    /// The same, except in holes.
+    Masked,
     /// Of one that lets light through: its transmittance, by which what is behind is multiplied,
     Through,
     /// then its own radiance, which is added.
@@ -62,7 +64,7 @@ pub(crate) fn scene_layout(context: &Context) -> BindGroupLayout {
     )
 }
 
-/// Pipelines of one shader over surfaces, whose entry points are `opaque`, `through` and `own`.
+/// Pipelines of one shader over surfaces, whose entry points are `own`, `masked` and `through`.
 #[derive(Debug)]
 pub(crate) struct SurfacePass {
     label: &'static str,
@@ -99,7 +101,8 @@ impl SurfacePass {
         variant: Variant,
     ) -> RenderPipeline {
         let (fragment, depth, blend) = match stage {
-            Stage::Opaque => ("opaque", Depth::TestAndWrite, Blend::Replace),
+            Stage::Opaque => ("own", Depth::TestAndWrite, Blend::Replace),
+            Stage::Masked => ("masked", Depth::TestAndWrite, Blend::Replace),
             Stage::Through => ("through", Depth::Test, Blend::Multiply),
             Stage::Own => ("own", Depth::Test, Blend::Add),
         };
