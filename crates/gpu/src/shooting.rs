@@ -73,9 +73,7 @@ impl GpuShooting {
         let device = OnDevice::new(&context, &solution, &cpu)?;
         context.wait()?;
         let mut solver = Self {
-            emitted: (0..BANDS)
-                .map(|band| solution.total_balance(band).emitted)
-                .sum(),
+            emitted: solution.reference_flux(),
             steps_before: solution.provenance.steps,
             hemicubes_per_step: HEMICUBES_PER_STEP,
             state: bytemuck::Zeroable::zeroed(),
