@@ -9,6 +9,7 @@
 pub mod hemicube;
 pub mod raycast;
 pub mod shooting;
+pub mod surface;
 
 /// A shader: name and source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,4 +40,5 @@ pub fn all() -> impl Iterator<Item = &'static Shader> {
         .iter()
         .chain(&shooting::SHADERS)
         .chain(&raycast::SHADERS)
+        .chain(&surface::SHADERS)
 }

@@ -1,7 +1,7 @@
 //! Every shader is valid, and the structs and constants that it shares with Rust are the same there.
 
 use core::mem::{offset_of, size_of};
-use hemicube_shaders::{Shader, all, hemicube, raycast, shooting};
+use hemicube_shaders::{Shader, all, hemicube, raycast, shooting, surface};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 fn parsed(shader: &Shader) -> Result<naga::Module, String> {
@@ -48,6 +48,12 @@ fn twins() -> Vec<Twin> {
         twin!(shooting::ShootingPatch: first_element, elements, first_view, views),
         twin!(shooting::ShotView: viewpoint, weight, padding_0, padding_1, padding_2),
         twin!(shooting::ShotState: shooter, view, views, shots, weight, unshot, largest, holds),
+        twin!(surface::View: clip_from_world, eye, background, exposure, size, flags, max_reflectance, minify, magnify, max_anisotropy, ewa_radius),
+        twin!(surface::Slot: matrix, offset, flags, padding),
+        twin!(surface::Material: base_color, alpha, emission, metallic, roughness, transmission, cutoff, flags, relief_size, relief, padding, slots),
+        twin!(surface::LightParams: elements, vertices, groups, padding, extra),
+        twin!(surface::LineParams: color, width, lift, padding_0, padding_1),
+        twin!(surface::ToneParams: curve, encodes, samples, padding),
     ]
 }
 
@@ -89,6 +95,36 @@ fn constants_have_the_same_values_in_rust() {
         ("SEGMENT", hemicube::SEGMENT),
         ("STACK", raycast::STACK),
         ("CHANNEL_WORDS", shooting::CHANNEL_WORDS),
+        ("VIEW_FLAT", surface::VIEW_FLAT),
+        ("VIEW_METALS_DIFFUSE", surface::VIEW_METALS_DIFFUSE),
+        ("MINIFY_EWA", surface::MINIFY_EWA),
+        ("MAGNIFY_SAMPLER", surface::MAGNIFY_SAMPLER),
+        ("MAGNIFY_CATMULL_ROM", surface::MAGNIFY_CATMULL_ROM),
+        ("MAGNIFY_B_SPLINE", surface::MAGNIFY_B_SPLINE),
+        ("MAGNIFY_MITCHELL", surface::MAGNIFY_MITCHELL),
+        ("SLOT_PRESENT", surface::SLOT_PRESENT),
+        ("SLOT_SECOND", surface::SLOT_SECOND),
+        ("SLOT_NOWHERE", surface::SLOT_NOWHERE),
+        ("SLOT_BLOCKS", surface::SLOT_BLOCKS),
+        ("SLOT_PREMULTIPLIED", surface::SLOT_PREMULTIPLIED),
+        ("SLOT_WRAP_U_SHIFT", surface::SLOT_WRAP_U_SHIFT),
+        ("SLOT_WRAP_V_SHIFT", surface::SLOT_WRAP_V_SHIFT),
+        ("MATERIAL_MASK", surface::MATERIAL_MASK),
+        ("MATERIAL_BLEND", surface::MATERIAL_BLEND),
+        ("MATERIAL_NORMALS", surface::MATERIAL_NORMALS),
+        ("MATERIAL_HEIGHTS", surface::MATERIAL_HEIGHTS),
+        ("SLOT_BASE", surface::SLOT_BASE),
+        ("SLOT_METALLIC", surface::SLOT_METALLIC),
+        ("SLOT_ROUGHNESS", surface::SLOT_ROUGHNESS),
+        ("SLOT_EMISSION", surface::SLOT_EMISSION),
+        ("SLOT_TRANSMISSION", surface::SLOT_TRANSMISSION),
+        ("SLOT_RELIEF", surface::SLOT_RELIEF),
+        ("CORNER_NUMBER", surface::CORNER_NUMBER),
+        ("CORNER_TURNED", surface::CORNER_TURNED),
+        ("CURVE_REINHARD", surface::CURVE_REINHARD),
+        ("CURVE_ACES", surface::CURVE_ACES),
+        ("CURVE_NONE", surface::CURVE_NONE),
+        ("CURVE_LINEAR", surface::CURVE_LINEAR),
     ];
     for (name, value) in constants {
         let values: Vec<u32> = modules

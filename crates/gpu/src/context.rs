@@ -184,6 +184,30 @@ impl Context {
         })
     }
 
+    /// A device that somebody else has made, for example the owner of a window; the name is for messages.
+    ///
+    /// From now on its loss and its errors are heard here: callbacks that were set before are replaced.
+    ///
+    /// # Errors
+    /// The device was made with limits below what is needed.
+    pub fn from_wgpu(name: &str, device: Device, queue: Queue) -> Result<Self, GpuError> {
+        let limits = device.limits();
+        if let Some(lack) = lack(&limits) {
+            return Err(GpuError::NoAdapter(format!(
+                "'{name}' cannot be used: {lack}"
+            )));
+        }
+        let failure = Arc::new(Mutex::new(None));
+        watch(&device, name, &failure);
+        Ok(Self {
+            name: name.to_owned(),
+            device,
+            queue,
+            limits,
+            failure,
+        })
+    }
+
     /// What went wrong since the device was made; it stays so.
     pub fn failure(&self) -> Option<GpuError> {
         self.failure

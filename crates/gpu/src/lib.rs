@@ -13,6 +13,7 @@ mod buffer;
 mod context;
 mod error;
 mod hemicube;
+pub mod pass;
 mod raycast;
 mod shooting;
 

@@ -108,6 +108,11 @@ impl GpuShooting {
         self.failure.as_ref()
     }
 
+    /// Light as it lies on the device: `[group][band][element]` irradiance, then what only this solver understands.
+    pub(crate) fn light(&self) -> &Buffer {
+        &self.device.light
+    }
+
     /// Submits work and reads the state after it.
     fn submit(
         &mut self,

@@ -4,7 +4,7 @@
 //! within the crease angle, so light is continuous over smooth surfaces and breaks at edges. Irradiance is averaged,
 //! not radiosity: textures and neighbouring materials keep their sharp borders.
 
-use crate::patch::{NodeId, NodeKind};
+use crate::patch::{NodeId, NodeKind, PatchMesh};
 use crate::solution::Solution;
 use glam::{Vec2, Vec3, Vec4};
 use hemicube_raster::Rgb;
@@ -29,6 +29,45 @@ pub struct DrawnMesh {
     pub irradiance: Vec<Rgb>,
     /// Triangles that share an instance and a material, in the order of the scene.
     pub parts: Vec<DrawnPart>,
+    /// For each vertex that of the patch mesh and one element whose corner it is.
+    origins: Vec<(u32, u32)>,
+}
+
+/// Which elements each vertex of a drawn mesh takes its light from; twin of `vertex_light.wgsl`.
+///
+/// They stay the same as long as the patch mesh does, so new light comes to the vertices without a new drawn mesh.
+#[derive(Debug, Clone, Default)]
+pub struct LightSources {
+    starts: Vec<u32>,
+    elements: Vec<u32>,
+}
+
+impl LightSources {
+    /// Where the list of each vertex begins in [`Self::elements`], and where the last one ends.
+    pub fn starts(&self) -> &[u32] {
+        &self.starts
+    }
+
+    /// Lists of elements, end to end.
+    pub fn elements(&self) -> &[u32] {
+        &self.elements
+    }
+
+    /// The area-weighted mean at each vertex of one value for each element; 0 where all of them are covered.
+    ///
+    /// # Panics
+    /// There are fewer values than elements.
+    pub fn means(&self, mesh: &PatchMesh, values: &[Rgb]) -> Vec<Rgb> {
+        let ranges = self.starts.par_windows(2);
+        let mean = |range: &[u32]| {
+            mean_over(
+                mesh,
+                values,
+                &self.elements[range[0] as usize..range[1] as usize],
+            )
+        };
+        ranges.map(mean).collect()
+    }
 }
 
 /// Triangles of one instance and material.
@@ -75,7 +114,10 @@ impl DrawnMesh {
                 .map(|(&vertex, &(crease, irradiance))| {
                     let corner = drawn.corner(solution, id, vertex, irradiance + extra);
                     let key = VertexKey::new(vertex, crease, part, &corner);
-                    *known.entry(key).or_insert_with(|| drawn.push(corner))
+                    *known.entry(key).or_insert_with(|| {
+                        drawn.origins.push((vertex, crate::index32(e)));
+                        drawn.push(corner)
+                    })
                 })
                 .collect();
             let part = &mut drawn.parts[part];
@@ -86,6 +128,23 @@ impl DrawnMesh {
             }
         }
         drawn
+    }
+
+    /// The elements around each vertex over which its light is the mean; `mesh` is the one that this was made of.
+    pub fn light_sources(&self, mesh: &PatchMesh) -> LightSources {
+        let around = elements_around_vertices(mesh);
+        let mut sources = LightSources {
+            starts: vec![0],
+            elements: Vec::new(),
+        };
+        for &(vertex, element) in &self.origins {
+            let normal = element_normal(mesh, element);
+            let list = around.of(vertex).iter().copied();
+            let similar = list.filter(|&other| similar(element_normal(mesh, other), normal));
+            sources.elements.extend(similar);
+            sources.starts.push(crate::index32(sources.elements.len()));
+        }
+        sources
     }
 
     /// Everything about an element's corner.
@@ -186,7 +245,7 @@ fn corner_irradiance(solution: &Solution) -> Vec<Vec<(u32, Rgb)>> {
         .into_par_iter()
         .map(|e| solution.element_irradiance(e))
         .collect();
-    let around = elements_around_vertices(solution);
+    let around = elements_around_vertices(mesh);
     elements
         .par_iter()
         .map(|&id| {
@@ -194,26 +253,32 @@ fn corner_irradiance(solution: &Solution) -> Vec<Vec<(u32, Rgb)>> {
             mesh.corners(id)
                 .iter()
                 .map(|&vertex| {
-                    let list = around.of(vertex);
+                    let list = around.of(vertex).iter().copied();
+                    let group: Vec<u32> = list
+                        .filter(|&other| similar(element_normal(mesh, other), normal))
+                        .collect();
                     // The group is named by its first element, so that all its members agree on the name.
-                    let group = list.iter().position(|&other| {
-                        similar(mesh.node(elements[other as usize]).normal, normal)
-                    });
-                    let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
-                    for &other in list {
-                        let node = mesh.node(elements[other as usize]);
-                        if similar(node.normal, normal) {
-                            let area = mesh.exposed_area(other as usize);
-                            sum += values[other as usize] * area;
-                            weights += area;
-                        }
-                    }
-                    let first = list[group.expect("an element lies around its own corner")];
-                    (first, sum / weights.max(1e-30))
+                    let first = *group.first().expect("an element lies around its own corner");
+                    (first, mean_over(mesh, &values, &group))
                 })
                 .collect()
         })
         .collect()
+}
+
+/// The area-weighted mean of some elements' values.
+fn mean_over(mesh: &PatchMesh, values: &[Rgb], elements: &[u32]) -> Rgb {
+    let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
+    for &element in elements {
+        let area = mesh.exposed_area(element as usize);
+        sum += values[element as usize] * area;
+        weights += area;
+    }
+    sum / weights.max(1e-30)
+}
+
+fn element_normal(mesh: &PatchMesh, element: u32) -> Vec3 {
+    mesh.node(mesh.elements()[element as usize]).normal
 }
 
 fn similar(a: Vec3, b: Vec3) -> bool {
@@ -233,8 +298,7 @@ impl Around {
     }
 }
 
-fn elements_around_vertices(solution: &Solution) -> Around {
-    let mesh = solution.mesh();
+fn elements_around_vertices(mesh: &PatchMesh) -> Around {
     let mut starts = vec![0_u32; mesh.vertices().len() + 1];
     for &id in mesh.elements() {
         for &vertex in mesh.corners(id) {

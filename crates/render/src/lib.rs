@@ -52,6 +52,6 @@ mod trace;
 pub use auto_camera::choose_camera;
 pub use error::RenderError;
 pub use options::{ParseShadingError, RenderOptions, Shading, TextureFilter};
-pub use projection::clip_from_world;
+pub use projection::{check_camera, clip_from_world};
 pub use reflections::Reflections;
 pub use renderer::{Renderer, render, render_display, tone_mapped};

@@ -65,7 +65,10 @@ pub(crate) fn distance_along_view(camera: &Camera, point: DVec3) -> f64 {
 }
 
 /// The door for cameras.
-pub(crate) fn check_camera(camera: &Camera) -> Result<(), RenderError> {
+///
+/// # Errors
+/// One that cannot see: numbers that are not finite, no direction, an angle of view out of range.
+pub fn check_camera(camera: &Camera) -> Result<(), RenderError> {
     let fail = |problem| {
         Err(RenderError::Camera {
             name: camera.name.clone(),

@@ -217,6 +217,17 @@ impl Texture {
         Image::from_pixels(width, height, level.texels).expect("a level has its size")
     }
 
+    /// The texels of a level as they are stored, of a texture in bytes ([`Texture::from_rgba8`]); none of one in floats.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    pub fn level_bytes(&self, level: usize) -> Option<&[[u8; 4]]> {
+        match &self.texels {
+            Texels::Float(_) => None,
+            Texels::Bytes(levels, _) => Some(&levels[level].texels),
+        }
+    }
+
     /// The largest level in floats.
     pub(super) fn base(&self) -> Level<Vec4> {
         match &self.texels {

@@ -1,0 +1,37 @@
+//! All pipelines of pictures.
+
+use crate::context::Context;
+use crate::pass::light::LightPass;
+use crate::pass::lit::{SurfacePass, scene_layout};
+use crate::pass::overlay::OverlayPass;
+use crate::pass::pick::PickPass;
+use crate::pass::textured::TexturedPass;
+use crate::pass::tonemap::TonePass;
+use wgpu::BindGroupLayout;
+
+/// All pipelines of pictures, each made at its first use.
+#[derive(Debug)]
+pub(crate) struct Passes {
+    pub(crate) scene: BindGroupLayout,
+    pub(crate) light: LightPass,
+    pub(crate) lit: SurfacePass,
+    pub(crate) textured: TexturedPass,
+    pub(crate) overlay: OverlayPass,
+    pub(crate) tones: TonePass,
+    pub(crate) pick: PickPass,
+}
+
+impl Passes {
+    pub(crate) fn new(context: &Context) -> Self {
+        let scene = scene_layout(context);
+        Self {
+            light: LightPass::new(context),
+            lit: SurfacePass::lit(&scene),
+            textured: TexturedPass::new(context, &scene),
+            overlay: OverlayPass::new(context, &scene),
+            tones: TonePass::new(context),
+            pick: PickPass::new(&scene),
+            scene,
+        }
+    }
+}

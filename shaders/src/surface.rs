@@ -1,0 +1,242 @@
+//! Pictures of lit surfaces: vertices, materials, light at vertices, lines over them, tones.
+
+use crate::{Shader, shader};
+use bytemuck::{Pod, Zeroable};
+
+/// Surfaces without textures.
+pub const LIT: Shader = shader!("lit", "surface");
+/// Surfaces with textures.
+pub const TEXTURED: Shader = shader!("textured", "surface", "texture_filter", "texels");
+/// Light of elements at vertices.
+pub const VERTEX_LIGHT: Shader = shader!("vertex_light");
+/// Edges of elements.
+pub const MESH_LINES: Shader = shader!("mesh_lines", "surface");
+/// Which element is where.
+pub const PICK: Shader = shader!("pick", "surface");
+/// From light to what a display shows.
+pub const TONEMAP: Shader = shader!("tonemap");
+
+pub(crate) const SHADERS: [Shader; 6] = [LIT, TEXTURED, VERTEX_LIGHT, MESH_LINES, PICK, TONEMAP];
+
+/// A camera and how its picture is made.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct View {
+    /// Columns; depth is reversed.
+    pub clip_from_world: [[f32; 4]; 4],
+    /// A point (w = 1), or the direction towards the eye (w = 0).
+    pub eye: [f32; 4],
+    /// Radiance where nothing is drawn.
+    pub background: [f32; 3],
+    /// Factor on all light.
+    pub exposure: f32,
+    /// Pixels.
+    pub size: [f32; 2],
+    /// `VIEW_*` bits.
+    pub flags: u32,
+    /// Largest diffuse reflectance.
+    pub max_reflectance: f32,
+    /// `MINIFY_*`.
+    pub minify: u32,
+    /// `MAGNIFY_*`.
+    pub magnify: u32,
+    /// How much longer than wide a footprint may be.
+    pub max_anisotropy: f32,
+    /// Radius of EWA's Gaussian around a pixel's middle, in pixels.
+    pub ewa_radius: f32,
+}
+
+/// The element's own light instead of that between vertices.
+pub const VIEW_FLAT: u32 = 1;
+/// Metals reflect like everything else.
+pub const VIEW_METALS_DIFFUSE: u32 = 2;
+
+/// By the sampler.
+pub const MINIFY_SAMPLER: u32 = 0;
+/// Elliptical weighted average.
+pub const MINIFY_EWA: u32 = 1;
+/// By the sampler.
+pub const MAGNIFY_SAMPLER: u32 = 0;
+/// Catmull and Rom.
+pub const MAGNIFY_CATMULL_ROM: u32 = 1;
+/// Cubic B-spline.
+pub const MAGNIFY_B_SPLINE: u32 = 2;
+/// Mitchell and Netravali.
+pub const MAGNIFY_MITCHELL: u32 = 3;
+
+/// Where a texture of a material is read.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Slot {
+    /// Columns of the matrix that makes the texture's coordinates of the mesh's.
+    pub matrix: [f32; 4],
+    /// What is added.
+    pub offset: [f32; 2],
+    /// `SLOT_*` bits, 0 without a texture.
+    pub flags: u32,
+    /// Unused.
+    pub padding: u32,
+}
+
+/// There is a texture.
+pub const SLOT_PRESENT: u32 = 1;
+/// It uses the second set of coordinates.
+pub const SLOT_SECOND: u32 = 2;
+/// It uses a set that the mesh does not have.
+pub const SLOT_NOWHERE: u32 = 4;
+/// Close up it shows single texels.
+pub const SLOT_BLOCKS: u32 = 8;
+/// Its colours were multiplied by alpha.
+pub const SLOT_PREMULTIPLIED: u32 = 16;
+/// Where the rule along u stands, two bits: 0 repeats, 1 mirrors, 2 clamps.
+pub const SLOT_WRAP_U_SHIFT: u32 = 8;
+/// Where the rule along v stands.
+pub const SLOT_WRAP_V_SHIFT: u32 = 10;
+
+/// A material: factors, and its six textures in the order of the `SLOT_*` numbers.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Material {
+    /// Linear.
+    pub base_color: [f32; 3],
+    /// Opacity.
+    pub alpha: f32,
+    /// Radiance.
+    pub emission: [f32; 3],
+    /// 1 for metals.
+    pub metallic: f32,
+    /// As perceived.
+    pub roughness: f32,
+    /// Share of light that passes straight through.
+    pub transmission: f32,
+    /// Smallest alpha that is still surface.
+    pub cutoff: f32,
+    /// `MATERIAL_*` bits.
+    pub flags: u32,
+    /// Width and height of the relief's picture in texels.
+    pub relief_size: [f32; 2],
+    /// Factor of a normal map, or depth of heights.
+    pub relief: f32,
+    /// Unused.
+    pub padding: u32,
+    /// Base colour, metallic share, roughness, emission, transmission, relief.
+    pub slots: [Slot; 6],
+}
+
+/// Alpha below the cutoff is a hole.
+pub const MATERIAL_MASK: u32 = 1;
+/// Alpha is coverage.
+pub const MATERIAL_BLEND: u32 = 2;
+/// The relief is a normal map.
+pub const MATERIAL_NORMALS: u32 = 4;
+/// The relief is a picture of heights.
+pub const MATERIAL_HEIGHTS: u32 = 8;
+
+/// Number of the base colour's slot.
+pub const SLOT_BASE: u32 = 0;
+/// Of the metallic share's.
+pub const SLOT_METALLIC: u32 = 1;
+/// Of the roughness's.
+pub const SLOT_ROUGHNESS: u32 = 2;
+/// Of the emission's.
+pub const SLOT_EMISSION: u32 = 3;
+/// Of the transmission's.
+pub const SLOT_TRANSMISSION: u32 = 4;
+/// Of the relief's.
+pub const SLOT_RELIEF: u32 = 5;
+
+/// A vertex, without its light. In the shader its fields are attributes in this order.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct SurfaceVertex {
+    /// In the world.
+    pub position: [f32; 3],
+    /// Of the triangles that begin with this vertex.
+    pub element: u32,
+    /// Of the side that is seen.
+    pub normal: [f32; 3],
+    /// Number of the material.
+    pub material: u32,
+    /// Both sets.
+    pub texcoords: [[f32; 2]; 2],
+    /// The scene's vertex colour.
+    pub color: [f32; 4],
+    /// Along u, and the sign of the bitangent.
+    pub tangent: [f32; 4],
+    /// `CORNER_*` bits.
+    pub corner: u32,
+}
+
+/// Two bits: which corner of its triangle a vertex is that no other triangle uses.
+pub const CORNER_NUMBER: u32 = 3;
+/// Its triangle shows the side that its relief was not made for.
+pub const CORNER_TURNED: u32 = 4;
+
+/// How light of elements becomes light of vertices.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct LightParams {
+    /// Elements.
+    pub elements: u32,
+    /// Vertices.
+    pub vertices: u32,
+    /// Groups of luminaires.
+    pub groups: u32,
+    /// Unused.
+    pub padding: u32,
+    /// Irradiance that is added everywhere; the fourth number is unused.
+    pub extra: [f32; 4],
+}
+
+/// How edges are drawn.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct LineParams {
+    /// Linear, exposed; the fourth is opacity.
+    pub color: [f32; 4],
+    /// Pixels.
+    pub width: f32,
+    /// Share of its distance by which a line comes nearer.
+    pub lift: f32,
+    /// Unused.
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
+}
+
+/// An edge of one or two elements. In the shader its fields are attributes in this order.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Edge {
+    /// One end.
+    pub start: [f32; 3],
+    /// Normal of an element.
+    pub first_normal: [f32; 3],
+    /// The other end.
+    pub end: [f32; 3],
+    /// Normal of the other element, or the same once more.
+    pub second_normal: [f32; 3],
+}
+
+/// From exposed light to what the target stores.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct ToneParams {
+    /// `CURVE_*`.
+    pub curve: u32,
+    /// 1 if sRGB has to be encoded.
+    pub encodes: u32,
+    /// Samples of a pixel.
+    pub samples: u32,
+    /// Unused.
+    pub padding: u32,
+}
+
+/// Reinhard's curve.
+pub const CURVE_REINHARD: u32 = 0;
+/// The fit of ACES.
+pub const CURVE_ACES: u32 = 1;
+/// Only what is too bright changes.
+pub const CURVE_NONE: u32 = 2;
+/// Light as it is.
+pub const CURVE_LINEAR: u32 = 3;

@@ -1,0 +1,30 @@
+// Lit surfaces with textures: base colour, metallic share, emission and transmission are multiplied by them.
+
+fn textured_surface(in: Fragment) -> Surface {
+    let footprint = footprint_of(in);
+    let material = materials[in.material];
+    return surface_at(material, in, texels_at(material, footprint));
+}
+
+fn own_radiance(surface: Surface, in: Fragment) -> vec3<f32> {
+    return surface.emission + surface.reflectance * solved_light(in) / PI;
+}
+
+@fragment
+fn opaque(in: Fragment) -> @location(0) vec4<f32> {
+    let surface = textured_surface(in);
+    if surface.is_hole {
+        discard;
+    }
+    return exposed(own_radiance(surface, in));
+}
+
+@fragment
+fn own(in: Fragment) -> @location(0) vec4<f32> {
+    return exposed(own_radiance(textured_surface(in), in));
+}
+
+@fragment
+fn through(in: Fragment) -> @location(0) vec4<f32> {
+    return vec4(textured_surface(in).transmittance, 1.0);
+}
