@@ -35,12 +35,12 @@ fn main() -> ExitCode {
 
 /// Everything that `cargo test` finds in the workspace, the examples among it.
 fn test(args: &[&str]) -> bool {
-    // With the GPU, where there is one: a software driver does.
+    // With the GPU and with windows, where there are some: a software driver and a display that nobody sees do.
     let all = [
         "test",
         "--workspace",
         "--features",
-        "hemicube-cli/gpu",
+        "hemicube-cli/viewer",
         "--locked",
     ];
     cargo(&[&all, args].concat(), &[])
@@ -57,6 +57,7 @@ fn check() -> bool {
         "scene",
         "radiosity",
         "render",
+        "viewer",
     ]
     .map(|name| format!("hemicube-{name}"));
     let mut package = vec![
