@@ -14,9 +14,22 @@ pub const MESH_LINES: Shader = shader!("mesh_lines", "surface");
 /// Which element is where.
 pub const PICK: Shader = shader!("pick", "surface");
 /// From light to what a display shows.
-pub const TONEMAP: Shader = shader!("tonemap");
+pub const TONEMAP: Shader = shader!("tonemap", "tones");
+/// From a fine grid of samples to what a display shows.
+pub const ANTIALIAS: Shader = shader!("antialias", "tones");
+/// Illuminance as colours.
+pub const FALSECOLOUR: Shader = shader!("falsecolour", "surface");
 
-pub(crate) const SHADERS: [Shader; 6] = [LIT, TEXTURED, VERTEX_LIGHT, MESH_LINES, PICK, TONEMAP];
+pub(crate) const SHADERS: [Shader; 8] = [
+    LIT,
+    TEXTURED,
+    VERTEX_LIGHT,
+    MESH_LINES,
+    PICK,
+    TONEMAP,
+    ANTIALIAS,
+    FALSECOLOUR,
+];
 
 /// A camera and how its picture is made.
 #[repr(C)]
@@ -240,3 +253,45 @@ pub const CURVE_ACES: u32 = 1;
 pub const CURVE_NONE: u32 = 2;
 /// Light as it is.
 pub const CURVE_LINEAR: u32 = 3;
+
+/// How samples of a fine grid become pixels.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct FilterParams {
+    /// Samples of a pixel in each direction.
+    pub factor: u32,
+    /// Weights in each direction.
+    pub taps: u32,
+    /// Unused.
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
+}
+
+/// How numbers become colours.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct FieldParams {
+    /// Colour of lines.
+    pub line_color: [f32; 4],
+    /// Colour where there is no number; of all surfaces, if they have only one.
+    pub missing: [f32; 4],
+    /// Illuminance of irradiance 1, band by band.
+    pub weights: [f32; 4],
+    /// Value of the first colour.
+    pub low: f32,
+    /// Value of the last colour.
+    pub high: f32,
+    /// From one line to the next; 0 without lines.
+    pub spacing: f32,
+    /// A value that has a line.
+    pub start: f32,
+    /// Of lines, in pixels of the target.
+    pub width: f32,
+    /// Unused.
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
+    /// Unused.
+    pub padding_2: u32,
+}

@@ -54,6 +54,8 @@ fn twins() -> Vec<Twin> {
         twin!(surface::LightParams: elements, vertices, groups, padding, extra),
         twin!(surface::LineParams: color, width, lift, padding_0, padding_1),
         twin!(surface::ToneParams: curve, encodes, samples, padding),
+        twin!(surface::FilterParams: factor, taps, padding_0, padding_1),
+        twin!(surface::FieldParams: line_color, missing, weights, low, high, spacing, start, width, padding_0, padding_1, padding_2),
     ]
 }
 

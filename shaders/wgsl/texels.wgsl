@@ -20,9 +20,10 @@ struct Footprint {
     dy: vec4<f32>,
 }
 
-// A fragment's footprint; asked for before anything branches, because it looks at neighbours.
+// A fragment's footprint; asked for before anything branches, because it looks at neighbours. Coarse differences are the
+// same for a block of 2 x 2 pixels, and so is the level that they read: some drivers take the level of one for all four.
 fn footprint_of(in: Fragment) -> Footprint {
-    return Footprint(in.texcoords, dpdx(in.texcoords), dpdy(in.texcoords));
+    return Footprint(in.texcoords, dpdxCoarse(in.texcoords), dpdyCoarse(in.texcoords));
 }
 
 fn of_set(slot: Slot, sets: vec4<f32>) -> vec2<f32> {
@@ -40,7 +41,7 @@ fn coordinates(slot: Slot, footprint: Footprint) -> vec2<f32> {
     return turned(slot, of_set(slot, footprint.at)) + slot.offset;
 }
 
-fn read(picture: texture_2d<f32>, how: sampler, slot: Slot, footprint: Footprint) -> vec4<f32> {
+fn read_slot(picture: texture_2d<f32>, how: sampler, slot: Slot, footprint: Footprint) -> vec4<f32> {
     if (slot.flags & SLOT_PRESENT) == 0u {
         return vec4(1.0);
     }
@@ -52,7 +53,7 @@ fn read(picture: texture_2d<f32>, how: sampler, slot: Slot, footprint: Footprint
 // The base colour, not multiplied by alpha. Under a mask alpha is that of the finest level, as shadows have it.
 fn base_texel(material: Material, footprint: Footprint) -> vec4<f32> {
     let slot = material.slots[SLOT_BASE];
-    var base = read(base_texture, base_sampler, slot, footprint);
+    var base = read_slot(base_texture, base_sampler, slot, footprint);
     if (slot.flags & SLOT_PREMULTIPLIED) == 0u {
         return base;
     }
@@ -66,10 +67,10 @@ fn base_texel(material: Material, footprint: Footprint) -> vec4<f32> {
 fn texels_at(material: Material, footprint: Footprint) -> Texels {
     var texels: Texels;
     texels.base = base_texel(material, footprint);
-    texels.metallic = read(metallic_texture, metallic_sampler, material.slots[SLOT_METALLIC], footprint).b;
-    texels.roughness = read(roughness_texture, roughness_sampler, material.slots[SLOT_ROUGHNESS], footprint).g;
-    texels.emission = read(emission_texture, emission_sampler, material.slots[SLOT_EMISSION], footprint).rgb;
-    let passing = read(transmission_texture, transmission_sampler, material.slots[SLOT_TRANSMISSION], footprint);
+    texels.metallic = read_slot(metallic_texture, metallic_sampler, material.slots[SLOT_METALLIC], footprint).b;
+    texels.roughness = read_slot(roughness_texture, roughness_sampler, material.slots[SLOT_ROUGHNESS], footprint).g;
+    texels.emission = read_slot(emission_texture, emission_sampler, material.slots[SLOT_EMISSION], footprint).rgb;
+    let passing = read_slot(transmission_texture, transmission_sampler, material.slots[SLOT_TRANSMISSION], footprint);
     texels.transmission = passing.r;
     return texels;
 }

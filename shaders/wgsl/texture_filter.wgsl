@@ -20,7 +20,12 @@ struct Axes {
 }
 
 // The axes of the ellipse that a parallelogram's circle becomes (Heckbert 1989).
-fn axes_of(dx: vec2<f32>, dy: vec2<f32>) -> Axes {
+fn axes_of(ddx: vec2<f32>, ddy: vec2<f32>) -> Axes {
+    // Scaled to 1: fourth powers fit into floats.
+    let largest = max(max(abs(ddx.x), abs(ddx.y)), max(abs(ddy.x), abs(ddy.y)));
+    let scale = select(1.0, largest, largest > 0.0);
+    let dx = ddx / scale;
+    let dy = ddy / scale;
     let a = dx.x * dx.x + dy.x * dy.x;
     let b = dx.x * dx.y + dy.x * dy.y;
     let c = dx.y * dx.y + dy.y * dy.y;
@@ -35,7 +40,7 @@ fn axes_of(dx: vec2<f32>, dy: vec2<f32>) -> Axes {
     let major = sqrt(mean + radius);
     let area = abs(dx.x * dy.y - dx.y * dy.x);
     let minor = select(0.0, area / major, major > 0.0);
-    return Axes(direction * major, vec2(-direction.y, direction.x) * minor);
+    return Axes(direction * major * scale, vec2(-direction.y, direction.x) * minor * scale);
 }
 
 // The texel that an index along an axis of so many reads.
@@ -75,14 +80,19 @@ fn rules_of(slot: Slot) -> Rules {
     return Rules((slot.flags >> SLOT_WRAP_U_SHIFT) & 3u, (slot.flags >> SLOT_WRAP_V_SHIFT) & 3u);
 }
 
+// Texels of a level across and down. Not asked of the driver: some take the level of one pixel for all that they draw at once.
+fn size_of(picture: texture_2d<f32>, level: i32) -> vec2<u32> {
+    return max(textureDimensions(picture, 0) >> vec2(u32(level)), vec2(1u));
+}
+
 fn texel(picture: texture_2d<f32>, level: i32, at: vec2<i32>, rules: Rules) -> vec4<f32> {
-    let size = vec2<i32>(textureDimensions(picture, level));
+    let size = vec2<i32>(size_of(picture, level));
     return textureLoad(picture, vec2(wrapped(at.x, size.x, rules.u), wrapped(at.y, size.y, rules.v)), level);
 }
 
 // A place in texels of a level, from the middle of the first one.
 fn place_in(picture: texture_2d<f32>, level: i32, uv: vec2<f32>, rules: Rules) -> vec2<f32> {
-    let size = vec2<f32>(textureDimensions(picture, level));
+    let size = vec2<f32>(size_of(picture, level));
     return vec2(reduced(uv.x, rules.u), reduced(uv.y, rules.v)) * size - 0.5;
 }
 
@@ -187,7 +197,11 @@ fn elliptical_mean(picture: texture_2d<f32>, level: i32, uv: vec2<f32>, rules: R
 
 // An ellipse of axes in texels of the largest level, in a smaller one, shortened to what may be read.
 fn elliptical_in(picture: texture_2d<f32>, level: i32, uv: vec2<f32>, rules: Rules, d0: vec2<f32>, d1: vec2<f32>) -> vec4<f32> {
-    let scale = vec2<f32>(textureDimensions(picture, level)) / vec2<f32>(textureDimensions(picture, 0));
+    let size = size_of(picture, level);
+    if all(size == vec2(1u)) {
+        return textureLoad(picture, vec2(0), level);
+    }
+    let scale = vec2<f32>(size) / vec2<f32>(textureDimensions(picture, 0));
     let across = d1 * scale;
     let shrink = min(WIDEST / length(across), 1.0);
     return elliptical_mean(picture, level, uv, rules, d0 * scale * shrink, across * shrink);

@@ -4,6 +4,8 @@
 //! drawn in floats of 16 bits, exposed before it is stored, and goes through the tone curve sample by sample, as on the CPU.
 //! Each file is a pass or what passes share; a pass makes its pipelines once, at their first use.
 
+mod antialias;
+mod falsecolour;
 mod geometry;
 mod layers;
 mod light;

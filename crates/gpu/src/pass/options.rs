@@ -3,6 +3,8 @@
 use crate::pass::overlay::MeshLines;
 use crate::pass::textured::TextureFiltering;
 use hemicube_raster::Rgb;
+use hemicube_raster::antialias::Antialiasing;
+use hemicube_raster::colormap::FieldPaint;
 use hemicube_raster::tonemap::ToneMap;
 
 /// Where the irradiance of a point comes from.
@@ -23,6 +25,8 @@ pub enum Smoothing {
     /// Four for edges, one for light and textures (multisampling).
     #[default]
     Multisample,
+    /// A regular grid of them, for everything, weighted by a filter.
+    Supersample(Antialiasing),
 }
 
 /// What surfaces look like.
@@ -31,7 +35,9 @@ pub enum Style {
     /// As they are lit.
     #[default]
     Lit,
-    /// One colour, linear, as the display shows it: the ground of a wireframe.
+    /// Illuminance in lx as colours, with or without lines of equal value; what lets light through is left out.
+    FalseColour(FieldPaint),
+    /// One colour, linear, as the display shows it: the ground of a wireframe. What lets light through is left out.
     Plain(Rgb),
 }
 

@@ -1,6 +1,8 @@
 //! All pipelines of pictures.
 
 use crate::context::Context;
+use crate::pass::antialias::FilterPass;
+use crate::pass::falsecolour::FalseColourPass;
 use crate::pass::light::LightPass;
 use crate::pass::lit::{SurfacePass, scene_layout};
 use crate::pass::overlay::OverlayPass;
@@ -16,8 +18,10 @@ pub(crate) struct Passes {
     pub(crate) light: LightPass,
     pub(crate) lit: SurfacePass,
     pub(crate) textured: TexturedPass,
+    pub(crate) falsecolour: FalseColourPass,
     pub(crate) overlay: OverlayPass,
     pub(crate) tones: TonePass,
+    pub(crate) filter: FilterPass,
     pub(crate) pick: PickPass,
 }
 
@@ -28,8 +32,10 @@ impl Passes {
             light: LightPass::new(context),
             lit: SurfacePass::lit(&scene),
             textured: TexturedPass::new(context, &scene),
+            falsecolour: FalseColourPass::new(context, &scene),
             overlay: OverlayPass::new(context, &scene),
             tones: TonePass::new(context),
+            filter: FilterPass::new(context),
             pick: PickPass::new(&scene),
             scene,
         }

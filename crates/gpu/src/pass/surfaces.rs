@@ -13,7 +13,7 @@ use crate::pass::textured::{MaterialTextures, TextureFiltering};
 use crate::pass::view::Bounds;
 use hemicube_radiosity::{DrawnMesh, Solution};
 use hemicube_raster::Rgb;
-use hemicube_scene::{Camera, MetalsAs, Scene};
+use hemicube_scene::{Camera, MetalsAs, Scene, Units};
 use hemicube_shaders::surface as twins;
 use std::sync::Arc;
 use wgpu::{BindGroup, Buffer, BufferUsages, RenderPass};
@@ -148,6 +148,19 @@ impl Surfaces {
             run += 1;
         }
         self.draw_layers(context, passes, pass, (pixels, filtering), camera);
+    }
+
+    /// Draws all solid surfaces with the pipeline and the bindings that are set.
+    pub(crate) fn draw_solid(&self, pass: &mut RenderPass<'_>) {
+        self.set_buffers(pass);
+        let solid = self.geometry.runs.iter().filter(|run| run.cover == Cover::Solid);
+        let end = solid.map(|run| run.indices.end).max().unwrap_or(0);
+        pass.draw_indexed(0..end, 0, 0..1);
+    }
+
+    /// What the numbers of light mean.
+    pub(crate) fn units(&self) -> Units {
+        self.scene.units
     }
 
     /// The last of the neighbours of a solid run that one call can draw together with it.

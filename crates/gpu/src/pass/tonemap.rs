@@ -58,13 +58,12 @@ impl TonePass {
         tones: Tones,
     ) {
         let device = &context.device;
-        let params = twins::ToneParams {
-            curve: tones.curve(),
-            encodes: u32::from(encodes(format, tones)),
-            samples,
-            padding: 0,
-        };
-        let params = filled(device, "tones", &[params], BufferUsages::UNIFORM);
+        let params = filled(
+            device,
+            "tones",
+            &[params(format, tones, samples)],
+            BufferUsages::UNIFORM,
+        );
         let is_multisampled = samples > 1;
         let resources = [
             params.as_entire_binding(),
@@ -77,22 +76,7 @@ impl TonePass {
             bind(device, "tones", &layout, &resources)
         };
         let pipeline = self.pipeline(context, format, is_multisampled);
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("tones"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: target,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &bindings, &[]);
-        pass.draw(0..3, 0..1);
+        draw_screen(encoder, target, &pipeline, &bindings);
     }
 
     fn pipeline(
@@ -127,6 +111,41 @@ impl TonePass {
             render(device, &options)
         })
     }
+}
+
+/// What shaders need to know of tones.
+pub(crate) fn params(format: TextureFormat, tones: Tones, samples: u32) -> twins::ToneParams {
+    twins::ToneParams {
+        curve: tones.curve(),
+        encodes: u32::from(encodes(format, tones)),
+        samples,
+        padding: 0,
+    }
+}
+
+/// Draws all of a target with a pipeline whose vertex stage is `screen`.
+pub(crate) fn draw_screen(
+    encoder: &mut CommandEncoder,
+    target: &TextureView,
+    pipeline: &RenderPipeline,
+    bindings: &wgpu::BindGroup,
+) {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("screen"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        ..Default::default()
+    });
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, bindings, &[]);
+    pass.draw(0..3, 0..1);
 }
 
 /// Whether numbers have to be encoded before they are stored: not where the format does it, nor where it keeps floats.

@@ -2,6 +2,8 @@
 
 use crate::context::Context;
 use crate::error::GpuError;
+use crate::pass::antialias::Grid;
+use crate::pass::falsecolour::Field;
 use crate::pass::lit::Pixels;
 use crate::pass::options::{DrawOptions, Interpolation, Smoothing, Style};
 use crate::pass::passes::Passes;
@@ -146,11 +148,7 @@ impl Walkthrough {
         camera: &Camera,
         options: &DrawOptions,
     ) -> Result<(), GpuError> {
-        let tones = match options.style {
-            Style::Lit => Tones::Display(options.tone_map),
-            Style::Plain(_) => Tones::Color,
-        };
-        self.draw_toned(encoder, target, camera, options, tones)
+        self.draw_toned(encoder, target, camera, options, tones(options))
     }
 
     fn draw_toned(
@@ -161,27 +159,30 @@ impl Walkthrough {
         options: &DrawOptions,
         tones: Tones,
     ) -> Result<(), GpuError> {
+        let samples = Samples::new(target.size, options.smoothing)?;
         let pixels = Pixels {
             format: LIGHT,
-            samples: match options.smoothing {
-                Smoothing::None => 1,
-                Smoothing::Multisample => 4,
-            },
+            samples: samples.of_pixel(),
         };
-        let view = self.view(camera, target.size, options)?;
-        let at = self.frame(target.size, pixels)?;
+        let view = self.view(camera, target.size, &samples, options)?;
+        let at = self.frame(samples.size(target.size), pixels)?;
         let passes = self.passes.clone();
         let mut passes = locked(&passes);
         self.surfaces.light.update(encoder, &passes.light);
-        self.draw_frame(encoder, &mut passes, (at, view), camera, options, tones);
+        let scale = samples.scale();
+        self.draw_frame(encoder, &mut passes, (at, view, scale), camera, options, tones);
         let frame = &self.frames[at];
-        passes.tones.draw(
-            &self.context,
-            encoder,
-            (&frame.color, pixels.samples),
-            (target.view, target.format),
-            tones,
-        );
+        let (context, to) = (&self.context, (target.view, target.format));
+        match &samples {
+            Samples::Grid(grid) => {
+                let from = (&frame.color, grid);
+                passes.filter.draw(context, encoder, from, to, tones);
+            }
+            Samples::OfPixel(count) => {
+                let from = (&frame.color, *count);
+                passes.tones.draw(context, encoder, from, to, tones);
+            }
+        }
         Ok(())
     }
 
@@ -211,7 +212,7 @@ impl Walkthrough {
         size: [u32; 2],
         options: &DrawOptions,
     ) -> Result<Image<Rgb>, GpuError> {
-        self.picture(camera, size, options, Tones::Display(options.tone_map))
+        self.picture(camera, size, options, tones(options))
     }
 
     /// The factor of an exposure for this view; see [`Exposure::factor`]. The automatic one is taken from a small picture,
@@ -330,10 +331,11 @@ impl Walkthrough {
         &self,
         camera: &Camera,
         size: [u32; 2],
+        samples: &Samples,
         options: &DrawOptions,
     ) -> Result<twins::View, GpuError> {
-        let bounds = &self.surfaces.bounds;
-        let mut view = view(camera, aspect(size), size, bounds, Window::WHOLE)?;
+        let (bounds, window) = (&self.surfaces.bounds, samples.window());
+        let mut view = view(camera, aspect(size), samples.size(size), bounds, window)?;
         view.exposure = exposure(options);
         self.surfaces.tell(&mut view);
         options.filtering.tell(&mut view);
@@ -363,7 +365,7 @@ impl Walkthrough {
         &mut self,
         encoder: &mut CommandEncoder,
         passes: &mut Passes,
-        (at, view): (usize, twins::View),
+        (at, view, scale): (usize, twins::View, f32),
         camera: &Camera,
         options: &DrawOptions,
         tones: Tones,
@@ -373,10 +375,24 @@ impl Walkthrough {
         let behind = self.behind(options) * exposure(options);
         let mut pass = begin(encoder, frame, Vec4::new(behind.r, behind.g, behind.b, 1.0));
         pass.set_bind_group(0, &bindings, &[]);
-        let how = (frame.pixels, options.filtering);
-        self.surfaces.draw(context, passes, &mut pass, how, camera);
+        let field = match &options.style {
+            Style::Lit => None,
+            Style::FalseColour(paint) => {
+                Some(Field::Illuminance(paint, self.surfaces.units(), scale))
+            }
+            Style::Plain(color) => Some(Field::Plain(*color)),
+        };
+        if let Some(field) = field {
+            let bound = passes.falsecolour.bindings(context, field);
+            pass.set_pipeline(&passes.falsecolour.pipeline(context, field, frame.pixels));
+            pass.set_bind_group(1, &bound, &[]);
+            self.surfaces.draw_solid(&mut pass);
+        } else {
+            let how = (frame.pixels, options.filtering);
+            self.surfaces.draw(context, passes, &mut pass, how, camera);
+        }
         if let Some(lines) = options.lines {
-            let line = passes.overlay.bindings(context, lines, tones, 1.0);
+            let line = passes.overlay.bindings(context, lines, tones, scale);
             pass.set_pipeline(&passes.overlay.pipeline(context, frame.pixels));
             pass.set_bind_group(1, &line, &[]);
             self.surfaces.geometry.draw_edges(&mut pass);
@@ -389,6 +405,56 @@ impl Walkthrough {
             options.background
         } else {
             self.sky
+        }
+    }
+}
+
+/// Where the samples of a picture lie.
+#[derive(Debug)]
+enum Samples {
+    /// So many in each pixel, which light and textures share.
+    OfPixel(u32),
+    /// On a grid of their own.
+    Grid(Grid),
+}
+
+impl Samples {
+    fn new(size: [u32; 2], smoothing: Smoothing) -> Result<Self, GpuError> {
+        Ok(match smoothing {
+            Smoothing::None => Self::OfPixel(1),
+            Smoothing::Multisample => Self::OfPixel(4),
+            Smoothing::Supersample(antialiasing) => Self::Grid(Grid::new(size, antialiasing)?),
+        })
+    }
+
+    fn of_pixel(&self) -> u32 {
+        match self {
+            Self::OfPixel(count) => *count,
+            Self::Grid(_) => 1,
+        }
+    }
+
+    /// Width and height of what is drawn.
+    fn size(&self, pixels: [u32; 2]) -> [u32; 2] {
+        match self {
+            Self::OfPixel(_) => pixels,
+            Self::Grid(grid) => grid.samples(),
+        }
+    }
+
+    fn window(&self) -> Window {
+        match self {
+            Self::OfPixel(_) => Window::WHOLE,
+            Self::Grid(grid) => grid.window(),
+        }
+    }
+
+    /// Width of a pixel in what is drawn.
+    fn scale(&self) -> f32 {
+        match self {
+            Self::OfPixel(_) => 1.0,
+            #[expect(clippy::cast_precision_loss, reason = "32 at most")]
+            Self::Grid(grid) => grid.factor() as f32,
         }
     }
 }
@@ -421,6 +487,14 @@ fn begin<'e>(encoder: &'e mut CommandEncoder, frame: &Frame, behind: Vec4) -> wg
 
 fn aspect([width, height]: [u32; 2]) -> f64 {
     f64::from(width.max(1)) / f64::from(height.max(1))
+}
+
+/// What becomes of what a style draws.
+fn tones(options: &DrawOptions) -> Tones {
+    match options.style {
+        Style::Lit => Tones::Display(options.tone_map),
+        Style::FalseColour(_) | Style::Plain(_) => Tones::Color,
+    }
 }
 
 /// The options' exposure as a factor that light can be multiplied by.
