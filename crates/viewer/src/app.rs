@@ -4,8 +4,8 @@ use crate::desk::Desk;
 use crate::draw::Stage;
 use crate::panels::{self, HemicubeTexture, obey_keys};
 use crate::prefs::Prefs;
-use crate::session::Phase;
 use crate::theme;
+use egui_wgpu::RenderState;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -50,22 +50,26 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// A viewer in a window, or in a test that has none.
-    pub fn new(creation: &eframe::CreationContext<'_>, options: &ViewOptions) -> Self {
-        theme::apply(&creation.egui_ctx);
-        let stored = creation.storage.filter(|_| !options.forgets);
-        let prefs = stored
-            .and_then(|storage| storage.get_string(PREFS))
-            .and_then(|text| serde_json::from_str::<Prefs>(&text).ok())
+    /// A viewer with what was remembered, if anything was; it draws pictures if there is a device to draw with.
+    pub fn new(
+        ctx: &egui::Context,
+        remembered: Option<&str>,
+        device: Option<&RenderState>,
+        options: &ViewOptions,
+    ) -> Self {
+        theme::apply(ctx);
+        let prefs = remembered
+            .filter(|_| !options.forgets)
+            .and_then(|text| serde_json::from_str::<Prefs>(text).ok())
             .unwrap_or_default();
-        let ctx = creation.egui_ctx.clone();
+        let waking = ctx.clone();
         let mut desk = Desk::new(
             prefs,
             &options.scene,
-            Arc::new(move || ctx.request_repaint()),
+            Arc::new(move || waking.request_repaint()),
         );
         desk.frames.keeps_all = options.measure.is_some();
-        let stage = match creation.wgpu_render_state.as_ref().map(Stage::new) {
+        let stage = match device.map(Stage::new) {
             Some(Ok(stage)) => Some(stage),
             Some(Err(error)) => {
                 desk.complain(error.to_string());
@@ -83,7 +87,17 @@ impl Viewer {
         }
     }
 
-    fn frame(&mut self, ui: &mut egui::Ui) {
+    /// In a window.
+    pub fn in_window(creation: &eframe::CreationContext<'_>, options: &ViewOptions) -> Self {
+        let remembered = creation
+            .storage
+            .and_then(|storage| storage.get_string(PREFS));
+        let device = creation.wgpu_render_state.as_ref();
+        Self::new(&creation.egui_ctx, remembered.as_deref(), device, options)
+    }
+
+    /// Shows everything, and does what keys and pointer ask.
+    pub fn frame(&mut self, ui: &mut egui::Ui) {
         self.desk.frames.tick(self.asked);
         self.desk.refresh();
         let motion = obey_keys(ui.ctx(), &mut self.desk);
@@ -146,9 +160,4 @@ impl eframe::App for Viewer {
             storage.set_string(PREFS, text);
         }
     }
-}
-
-/// Whether the light is still on its way; for tests.
-pub fn is_busy(desk: &Desk) -> bool {
-    matches!(desk.status.phase, Phase::Preparing | Phase::Solving) || desk.status.opening.is_some()
 }

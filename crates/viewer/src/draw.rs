@@ -6,15 +6,19 @@
 use crate::desk::{Desk, Pane};
 use crate::display::{Display, Quantity};
 use crate::panels::Tile;
-use crate::session::Snapshot;
+use crate::session::{PatchRow, Snapshot};
 use crate::walk::Eye;
+use core::f32::consts::PI;
 use egui_wgpu::{RenderState, Renderer};
 use hemicube_gpu::pass::{
     DrawOptions, Interpolation, MeshLines, Smoothing, Style, Target, Walkthrough,
 };
 use hemicube_gpu::{Context, GpuError};
+use hemicube_radiosity::solution::BANDS;
 use hemicube_radiosity::{PatchMesh, Solution};
+use hemicube_raster::colormap::{Colormap, FieldPaint, Isolines};
 use hemicube_raster::{Image, Rgb};
+use hemicube_scene::Scene;
 use std::path::Path;
 use std::sync::Arc;
 use wgpu::{Texture, TextureFormat, TextureUsages, TextureViewDescriptor};
@@ -36,6 +40,8 @@ struct OnStage {
     geometry: u64,
     /// The mesh whose materials are there.
     mesh: Arc<PatchMesh>,
+    /// Whether its textures are there, too.
+    is_textured: bool,
 }
 
 /// A pane's picture, and what it shows.
@@ -53,6 +59,14 @@ struct Shown {
     display: Display,
     exposure: f32,
     selected: Option<usize>,
+}
+
+impl Shown {
+    /// Whether only the eye and the colours differ.
+    fn has_light_of(&self, other: &Self) -> bool {
+        let light = |s: &Self| (s.light, s.display.quantity, s.display.ambient, s.selected);
+        light(self) == light(other)
+    }
 }
 
 impl Stage {
@@ -76,7 +90,7 @@ impl Stage {
         let Some(snapshot) = desk.snapshot.clone() else {
             return vec![None; tiles.len()];
         };
-        if let Err(error) = self.set_scene(&snapshot) {
+        if let Err(error) = self.set_scene(&snapshot, desk.prefs.display.textures) {
             desk.complain(error.to_string());
             return vec![None; tiles.len()];
         }
@@ -101,22 +115,31 @@ impl Stage {
     }
 
     /// Puts a scene on the device unless it is there.
-    fn set_scene(&mut self, snapshot: &Snapshot) -> Result<(), GpuError> {
+    fn set_scene(&mut self, snapshot: &Snapshot, textures: bool) -> Result<(), GpuError> {
         let solution = &snapshot.lanes[0].solution;
-        let fits = |scene: &OnStage| {
-            scene.geometry == snapshot.geometry
-                && scene.mesh.elements().len() == solution.mesh().elements().len()
+        if self
+            .scene
+            .as_ref()
+            .is_none_or(|scene| scene.geometry != snapshot.geometry)
+        {
+            self.make_scene(snapshot.geometry, solution)?;
+        }
+        let Some(scene) = &mut self.scene else {
+            return Ok(());
         };
-        if let Some(scene) = self.scene.as_mut().filter(|scene| fits(scene)) {
-            if Arc::ptr_eq(&scene.mesh, solution.mesh()) {
-                return Ok(());
-            }
-            scene.walkthrough.set_materials(solution.mesh().scene())?;
-            scene.mesh = solution.mesh().clone();
-            self.forget();
+        let mesh = solution.mesh();
+        if Arc::ptr_eq(&scene.mesh, mesh) && scene.is_textured == textures {
             return Ok(());
         }
-        self.make_scene(snapshot.geometry, solution)
+        if textures {
+            scene.walkthrough.set_materials(mesh.scene())?;
+        } else {
+            scene.walkthrough.set_materials(&without_textures(mesh))?;
+        }
+        scene.mesh = mesh.clone();
+        scene.is_textured = textures;
+        self.forget();
+        Ok(())
     }
 
     fn make_scene(&mut self, geometry: u64, solution: &Solution) -> Result<(), GpuError> {
@@ -128,6 +151,7 @@ impl Stage {
             walkthrough,
             geometry,
             mesh: solution.mesh().clone(),
+            is_textured: true,
         });
         self.forget();
         Ok(())
@@ -194,11 +218,10 @@ impl Stage {
         if self.pictures[i].shows.as_ref() == Some(&shown) {
             return Ok(());
         }
-        let has_new_light = self.pictures.len() > 1
-            || self.pictures[i]
-                .shows
-                .as_ref()
-                .is_none_or(|s| s.light != shown.light);
+        // With several panes the light on the device is another's.
+        let before = self.pictures[i].shows.as_ref();
+        let has_new_light =
+            self.pictures.len() > 1 || before.is_none_or(|before| !before.has_light_of(&shown));
         if has_new_light {
             self.set_light(desk, snapshot, pane)?;
         }
@@ -229,23 +252,25 @@ impl Stage {
     /// Brings a pane's light to the device. Solutions that have got more light groups meanwhile are put there anew.
     fn set_light(&mut self, desk: &Desk, snapshot: &Snapshot, pane: &Pane) -> Result<(), GpuError> {
         let solved = &snapshot.lanes[pane.lane].solution;
-        let is_dimmed = pane.dims.iter().any(|&dim| dim != Rgb::WHITE);
-        let dimmed = is_dimmed.then(|| {
-            let mut solution = (**solved).clone();
-            for (group, &dim) in pane.dims.iter().enumerate().take(solution.groups().len()) {
-                solution.set_dim(group, dim);
-            }
-            solution
-        });
-        let solution = dimmed.as_ref().unwrap_or(solved);
+        let other = match desk.prefs.display.quantity {
+            Quantity::FormFactors => snapshot.row.as_ref().map(|row| as_light(solved, row)),
+            _ => dimmed(solved, &pane.dims),
+        };
+        let solution = other.as_ref().unwrap_or(solved);
         let Some(scene) = &mut self.scene else {
             return Ok(());
         };
         if scene.walkthrough.set_light(solution).is_err() {
+            let is_textured = scene.is_textured;
             self.make_scene(snapshot.geometry, solution)?;
+            self.set_scene(snapshot, is_textured)?;
         }
         if let Some(scene) = &mut self.scene {
-            scene.walkthrough.set_ambient(desk.ambient(pane.lane));
+            let ambient = match desk.prefs.display.quantity {
+                Quantity::Light => desk.ambient(pane.lane),
+                _ => Rgb::BLACK,
+            };
+            scene.walkthrough.set_ambient(ambient);
         }
         Ok(())
     }
@@ -281,12 +306,89 @@ fn texture(context: &Context, [width, height]: [u32; 2]) -> Texture {
     })
 }
 
+/// A solution with factors on its light groups; none if all of them are 1.
+fn dimmed(solved: &Solution, dims: &[Rgb]) -> Option<Solution> {
+    if dims.iter().all(|&dim| dim == Rgb::WHITE) {
+        return None;
+    }
+    let mut solution = solved.clone();
+    for (group, &dim) in dims.iter().enumerate().take(solution.groups().len()) {
+        solution.set_dim(group, dim);
+    }
+    Some(solution)
+}
+
+/// Decades of form factors that colours show.
+const DECADES: f32 = 4.0;
+
+/// Form factors as irradiance whose illuminance goes from 0 to 1 over the [`DECADES`] below the largest factor.
+fn as_light(solved: &Solution, row: &PatchRow) -> Solution {
+    let mesh = solved.mesh();
+    let per_area = |(e, &f): (usize, &f32)| f / mesh.exposed_area(e).max(f32::MIN_POSITIVE);
+    let densities: Vec<f32> = row.fractions.iter().enumerate().map(per_area).collect();
+    let most = densities.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
+    let unit = mesh.scene().units.illuminance(Rgb::WHITE);
+    let height = |density: f32| ((density / most).log10() / DECADES + 1.0).clamp(0.0, 1.0) / unit;
+    let mut solution = solved.clone();
+    let channels = solution.groups().len() * BANDS;
+    let mut irradiance = vec![0.0; channels * densities.len()];
+    for (i, value) in irradiance
+        .iter_mut()
+        .take(BANDS * densities.len())
+        .enumerate()
+    {
+        *value = height(densities[i % densities.len()]);
+    }
+    let none = vec![0.0; irradiance.len()];
+    solution.replace_light(
+        &irradiance,
+        &none,
+        &vec![0.0; channels],
+        &vec![0.0; channels],
+    );
+    for group in 0..solution.groups().len() {
+        solution.set_dim(group, Rgb::WHITE);
+    }
+    solution
+}
+
+/// The scene with each textured material in the mean colour of its surfaces.
+fn without_textures(mesh: &PatchMesh) -> Scene {
+    let mut scene = (**mesh.scene()).clone();
+    let mut sums = vec![(Rgb::BLACK, Rgb::BLACK, 0.0); scene.materials.len()];
+    for e in 0..mesh.elements().len() {
+        let area = mesh.exposed_area(e);
+        let (reflectance, emission, areas) = &mut sums[mesh.material_of_element(e)];
+        *reflectance += mesh.reflectance()[e] * area;
+        *emission += mesh.emission()[e] * (area / PI);
+        *areas += area;
+    }
+    for (material, (reflectance, emission, area)) in scene.materials.iter_mut().zip(sums) {
+        // What lets light through keeps its pictures: they say where.
+        if area <= 0.0 || material.may_transmit() {
+            continue;
+        }
+        if material.base_color_texture.take().is_some()
+            || material.metallic_texture.take().is_some()
+        {
+            material.base_color = reflectance / area;
+            material.metallic = 0.0;
+        }
+        if material.emission_texture.take().is_some() {
+            material.emission = emission / area;
+        }
+    }
+    scene
+}
+
 /// The device's options for what the window shows.
 fn options(desk: &Desk) -> DrawOptions {
     let display = &desk.prefs.display;
     let options = DrawOptions::default()
         .with_exposure(desk.exposure)
         .with_tone_map(display.tone_map())
+        .with_background(Rgb::splat(0.02 / desk.exposure.max(1e-30)))
+        .with_style(style(desk))
         .with_smoothing(if display.smooth_edges {
             Smoothing::Multisample
         } else {
@@ -297,13 +399,34 @@ fn options(desk: &Desk) -> DrawOptions {
         } else {
             Interpolation::Gouraud
         });
-    let options = match display.quantity {
-        Quantity::Wireframe => options.with_style(Style::Plain(Rgb::splat(0.9))),
-        _ => options,
-    };
-    if display.mesh || display.quantity == Quantity::Wireframe {
-        options.with_lines(MeshLines::default())
+    let is_wireframe = display.quantity == Quantity::Wireframe;
+    if display.mesh || is_wireframe {
+        let width = if is_wireframe { 1.2 } else { 1.0 };
+        options.with_lines(MeshLines::default().with_width(width))
     } else {
         options
+    }
+}
+
+fn style(desk: &Desk) -> Style {
+    let display = &desk.prefs.display;
+    match display.quantity {
+        Quantity::Light => Style::Lit,
+        Quantity::Wireframe => Style::Plain(Rgb::splat(0.82)),
+        Quantity::FormFactors => {
+            Style::FalseColour(FieldPaint::new(Colormap::sequential(), [0.0, 1.0]))
+        }
+        Quantity::Illuminance => {
+            let top = desk.scale_top();
+            let paint = FieldPaint::new(Colormap::sequential(), [0.0, top]);
+            Style::FalseColour(if display.isolines {
+                paint.with_isolines(Isolines {
+                    spacing: 0.1 * top,
+                    ..Isolines::default()
+                })
+            } else {
+                paint
+            })
+        }
     }
 }

@@ -169,7 +169,7 @@ mod tests {
             },
             speed: 400.0,
             display: Display::default(),
-            exposure: 0.05,
+            exposure: 1.0,
             size: [48, 36],
             format: FilmFormat::PngFrames,
             target: folder.path().join("film"),

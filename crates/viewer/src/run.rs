@@ -42,7 +42,7 @@ pub fn view(options: ViewOptions) -> Result<(), ViewError> {
     };
     native.wgpu_options.wgpu_setup = WgpuSetup::CreateNew(setup());
     let creator: eframe::AppCreator<'_> =
-        Box::new(move |creation| Ok(Box::new(Viewer::new(creation, &options))));
+        Box::new(move |creation| Ok(Box::new(Viewer::in_window(creation, &options))));
     eframe::run_native("hemicube", native, creator).map_err(|error| {
         let why = error
             .to_string()

@@ -1,6 +1,6 @@
 //! The window's panels, buttons and keys, and its picture on whatever adapter there is.
 
-use eframe::egui::{Key, Modifiers, Pos2, Vec2};
+use egui::{Key, Modifiers, Pos2, Ui, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use hemicube_radiosity::SolverKind;
@@ -11,7 +11,7 @@ use hemicube_viewer::walk::EyeMode;
 use hemicube_viewer::{ViewOptions, Viewer};
 use std::time::{Duration, Instant};
 
-type Window = Harness<'static, Viewer>;
+type Window = Harness<'static, Option<Viewer>>;
 
 fn options(scene: &str) -> ViewOptions {
     ViewOptions {
@@ -24,7 +24,20 @@ fn options(scene: &str) -> ViewOptions {
 /// A window that nobody sees: panels without pictures.
 fn window(scene: &'static str) -> Window {
     let builder = Harness::builder().with_size(Vec2::new(1280.0, 800.0));
-    builder.build_eframe(move |creation| Viewer::new(creation, &options(scene)))
+    let show = move |ui: &mut Ui, state: &mut Option<Viewer>| {
+        let viewer =
+            state.get_or_insert_with(|| Viewer::new(ui.ctx(), None, None, &options(scene)));
+        viewer.frame(ui);
+    };
+    builder.build_ui_state(show, None)
+}
+
+fn of(window: &Window) -> &Desk {
+    &window.state().as_ref().expect("a frame was shown").desk
+}
+
+fn change(window: &mut Window) -> &mut Desk {
+    &mut window.state_mut().as_mut().expect("a frame was shown").desk
 }
 
 /// Runs frames until something is as wanted.
@@ -32,10 +45,10 @@ fn wait(window: &mut Window, what: &str, wanted: impl Fn(&Desk) -> bool) {
     let begin = Instant::now();
     loop {
         window.step();
-        if wanted(&window.state().desk) {
+        if wanted(of(window)) {
             return;
         }
-        let status = &window.state().desk.status;
+        let status = &of(window).status;
         assert!(
             begin.elapsed() < Duration::from_secs(90),
             "{what}: {status:?}"
@@ -69,12 +82,7 @@ fn light_is_solved_at_once_and_pauses() {
         desk.status.phase == Phase::Paused
     });
     let steps = |window: &Window| {
-        let snapshot = window
-            .state()
-            .desk
-            .snapshot
-            .clone()
-            .expect("there is light");
+        let snapshot = of(window).snapshot.clone().expect("there is light");
         snapshot.lanes[0].progress.iteration
     };
     window.run_steps(5);
@@ -94,10 +102,10 @@ fn light_is_solved_at_once_and_pauses() {
 #[test]
 fn keys_walk_and_stop_at_walls() {
     let mut window = finished("furnace");
-    let before = window.state().desk.eye;
+    let before = of(&window).eye;
     window.key_down(Key::W);
     window.run_steps(40);
-    let after = window.state().desk.eye;
+    let after = of(&window).eye;
     let way = after.position - before.position;
     assert!(
         way.dot(before.forward()) > 0.05 * way.length() && way.length() > 0.0,
@@ -107,27 +115,22 @@ fn keys_walk_and_stop_at_walls() {
     window.key_up(Key::W);
     window.run_steps(2);
     let (low, high) = {
-        let snapshot = window
-            .state()
-            .desk
-            .snapshot
-            .clone()
-            .expect("there is light");
+        let snapshot = of(&window).snapshot.clone().expect("there is light");
         snapshot.mesh().scene().bounds().expect("it has faces")
     };
-    let eye = window.state().desk.eye.position;
+    let eye = of(&window).eye.position;
     assert!(
         eye.cmpgt(low).all() && eye.cmplt(high).all(),
         "the wall stops: {eye}"
     );
     press(&mut window, Key::O);
-    assert_eq!(window.state().desk.eye.mode, EyeMode::Orbit, "key O");
+    assert_eq!(of(&window).eye.mode, EyeMode::Orbit, "key O");
 }
 
 #[test]
 fn keys_change_what_is_shown() {
     let mut window = finished("cornell");
-    let display = |window: &Window| window.state().desk.prefs.display;
+    let display = |window: &Window| of(window).prefs.display;
     press(&mut window, Key::F);
     assert_eq!(
         display(&window).quantity,
@@ -157,10 +160,10 @@ fn keys_change_what_is_shown() {
     press(&mut window, Key::Num0);
     assert_eq!(display(&window).stops, 0.0, "automatic");
     press(&mut window, Key::F1);
-    assert!(window.state().desk.shows_help, "help");
+    assert!(of(&window).shows_help, "help");
     window.get_by_label_contains("run or pause");
     press(&mut window, Key::F2);
-    assert!(!window.state().desk.prefs.left_open, "the left panel");
+    assert!(!of(&window).prefs.left_open, "the left panel");
 }
 
 #[test]
@@ -170,18 +173,18 @@ fn a_clicked_surface_is_inspected_and_edited() {
     window.hover_at(middle);
     window.run_steps(2);
     assert!(
-        window.state().desk.hover.is_some(),
+        of(&window).hover.is_some(),
         "the floor is under the pointer"
     );
     window.drag_at(middle);
     window.run_steps(1);
     window.drop_at(middle);
     window.run_steps(3);
-    let selection = window.state().desk.selection.expect("it was clicked");
+    let selection = of(&window).selection.expect("it was clicked");
     assert!(selection.illuminance > 1.0, "it is lit: {selection:?}");
     window.get_by_label_contains("Illuminance");
     // The lamp gets dimmer, and so does the floor.
-    let desk = &mut window.state_mut().desk;
+    let desk = change(&mut window);
     let snapshot = desk.snapshot.clone().expect("there is light");
     let materials = &snapshot.mesh().scene().materials;
     let lamp = materials.iter().position(|m| m.emits()).expect("a lamp");
@@ -192,11 +195,11 @@ fn a_clicked_surface_is_inspected_and_edited() {
         (now / selection.illuminance - 0.5).abs() < 0.01
     });
     assert_eq!(
-        window.state().desk.colors(lamp).map(|c| c[1]),
+        of(&window).colors(lamp).map(|c| c[1]),
         Some(emission),
         "what the slider shows"
     );
-    window.state_mut().desk.undo_edit(lamp);
+    change(&mut window).undo_edit(lamp);
     wait(&mut window, "it comes back", |desk| {
         let now = desk.selection.expect("it stays selected").illuminance;
         (now / selection.illuminance - 1.0).abs() < 0.01
@@ -224,7 +227,7 @@ fn dimming_solves_nothing_again() {
             .sum()
     };
     let (all, serial) = {
-        let desk = &window.state().desk;
+        let desk = of(&window);
         (
             total(desk),
             desk.snapshot.as_ref().expect("there is light").serial,
@@ -232,11 +235,11 @@ fn dimming_solves_nothing_again() {
     };
     window.get_by_label("Day").click();
     window.run_steps(2);
-    let day = total(&window.state().desk);
+    let day = total(of(&window));
     window.get_by_label("Evening").click();
     window.run_steps(2);
-    let evening = total(&window.state().desk);
-    let desk = &window.state().desk;
+    let evening = total(of(&window));
+    let desk = of(&window);
     assert_eq!(
         desk.snapshot.as_ref().expect("there is light").serial,
         serial,
@@ -248,9 +251,7 @@ fn dimming_solves_nothing_again() {
     );
     window.get_by_label("Lightings side by side").click();
     window.run_steps(2);
-    let titles: Vec<String> = window
-        .state()
-        .desk
+    let titles: Vec<String> = of(&window)
         .panes
         .iter()
         .map(|pane| pane.title.clone())
@@ -264,12 +265,7 @@ fn variants_run_side_by_side() {
     wait(&mut window, "there is light", |desk| desk.panes.len() == 1);
     window.get_by_label("Four variants side by side").click();
     wait(&mut window, "four pictures", |desk| desk.panes.len() == 4);
-    let snapshot = window
-        .state()
-        .desk
-        .snapshot
-        .clone()
-        .expect("there is light");
+    let snapshot = of(&window).snapshot.clone().expect("there is light");
     let kinds: Vec<SolverKind> = snapshot.lanes.iter().map(|lane| lane.kind).collect();
     assert_eq!(kinds, VARIANTS, "the figure's four");
 }
@@ -277,7 +273,7 @@ fn variants_run_side_by_side() {
 #[test]
 fn the_way_to_the_light_is_chosen_in_the_toolbar() {
     let mut window = finished("cornell");
-    let desk = &mut window.state_mut().desk;
+    let desk = change(&mut window);
     desk.configure(
         desk.prefs
             .settings
@@ -295,19 +291,15 @@ fn the_way_to_the_light_is_chosen_in_the_toolbar() {
 #[test]
 fn errors_are_shown_and_dismissed() {
     let mut window = finished("cornell");
-    window.state_mut().desk.open("no-such-file.glb");
+    change(&mut window).open("no-such-file.glb");
     wait(&mut window, "it fails", |desk| desk.status.error.is_some());
     window.run_steps(3);
     window.get_by_label_contains("no-such-file.glb");
-    window.get_by_label("✖").click();
+    window.get_by_label("×").click();
     wait(&mut window, "it is dismissed", |desk| {
         desk.status.error.is_none()
     });
-    assert_eq!(
-        window.state().desk.status.scene,
-        "cornell",
-        "the light stays"
-    );
+    assert_eq!(of(&window).status.scene, "cornell", "the light stays");
 }
 
 #[test]
@@ -316,7 +308,7 @@ fn files_are_saved_and_go_on() {
     let mut window = finished("cornell");
     let lit = folder.path().join("lit.glb");
     let session = folder.path().join("a.hemicube.json");
-    let desk = &mut window.state_mut().desk;
+    let desk = change(&mut window);
     desk.eye.position.x += 12.0;
     desk.mixer.groups[1].level = 0.5;
     desk.add_stop();
@@ -337,11 +329,11 @@ fn files_are_saved_and_go_on() {
             .as_ref()
             .is_some_and(|s| s.lanes[0].progress.unshot < 1e-3)
     });
-    window.state_mut().desk.open(&session.to_string_lossy());
+    change(&mut window).open(&session.to_string_lossy());
     wait(&mut window, "the session opens", |desk| {
         desk.status.source.as_deref() == Some("cornell") && desk.path.stops.len() == 1
     });
-    let desk = &window.state().desk;
+    let desk = of(&window);
     assert_eq!(desk.eye, saved_eye, "where one stood");
     assert_eq!(desk.mixer.groups[1].level, 0.5, "how it was dimmed");
 }
@@ -350,7 +342,7 @@ fn files_are_saved_and_go_on() {
 fn a_grid_is_measured_and_exported() {
     let folder = tempfile::tempdir().expect("there is room");
     let mut window = finished("furnace");
-    let desk = &mut window.state_mut().desk;
+    let desk = change(&mut window);
     desk.point_at(0, 0.0, 0.5, 1.0);
     desk.select();
     desk.grid_options.points = 5;
@@ -358,7 +350,7 @@ fn a_grid_is_measured_and_exported() {
     desk.measure_grid();
     wait(&mut window, "it is measured", |desk| desk.grid.is_some());
     let path = folder.path().join("grid.csv");
-    window.state_mut().desk.picked(Pick::SaveGrid, path.clone());
+    change(&mut window).picked(Pick::SaveGrid, path.clone());
     let csv = std::fs::read_to_string(path).expect("it is written");
     assert_eq!(csv.lines().count(), 26, "a line for each point and a head");
     window.get_by_label_contains("Calculation grid").click();
@@ -371,11 +363,8 @@ fn keys_that_are_typed_into_fields_do_nothing_else() {
     let mut window = finished("cornell");
     let field = window.get_by_label("Keep as");
     let _ = field.accesskit_node();
-    window.state_mut().desk.typed_lighting = String::from("x");
+    change(&mut window).typed_lighting = String::from("x");
     window.key_press_modifiers(Modifiers::CTRL, Key::T);
     window.run_steps(2);
-    assert!(
-        window.state().desk.prefs.display.textures,
-        "Ctrl T is not T"
-    );
+    assert!(of(&window).prefs.display.textures, "Ctrl T is not T");
 }

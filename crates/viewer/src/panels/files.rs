@@ -120,9 +120,9 @@ fn message(ui: &Ui, id: &str, text: &str, color: Color32) -> bool {
         .show(ui.ctx(), |ui| {
             ui.horizontal(|ui| {
                 ui.set_max_width(640.0);
-                ui.colored_label(color, if id == "error" { "⚠" } else { "•" });
+                ui.colored_label(color, if id == "error" { "!" } else { "•" });
                 ui.add(egui::Label::new(text).wrap().selectable(true));
-                ui.add(Button::new("✖").frame(false))
+                ui.add(Button::new("×").frame(false))
                     .on_hover_text("Dismiss")
                     .clicked()
             })
@@ -147,7 +147,7 @@ pub fn dropped(ui: &mut Ui, desk: &mut Desk) {
     }
     if hovers {
         let screen = ui.ctx().content_rect();
-        let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::new("drop"));
+        let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop"));
         let painter = ui.ctx().layer_painter(layer);
         painter.rect_filled(screen, 0.0, Color32::from_black_alpha(160));
         let text = "Drop a scene, a lit .glb or a session";

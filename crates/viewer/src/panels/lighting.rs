@@ -79,7 +79,7 @@ fn groups(ui: &mut Ui, desk: &mut Desk) {
                 ui.add(slider).labelled_by(label.id);
                 if i > 0
                     && ui
-                        .small_button("✖")
+                        .small_button("×")
                         .on_hover_text("Remove the group")
                         .clicked()
                 {

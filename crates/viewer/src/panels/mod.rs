@@ -74,15 +74,17 @@ fn section<R>(ui: &mut Ui, title: &str, is_open: bool, contents: impl FnOnce(&mu
         });
 }
 
+/// Width of names at the left.
+const NAMES: f32 = 82.0;
+
 /// A line with a name at its left.
 fn row<R>(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui) -> R) -> R {
     ui.horizontal(|ui| {
-        ui.add_sized(
-            [84.0, 18.0],
-            egui::Label::new(RichText::new(name).weak())
-                .halign(egui::Align::LEFT)
-                .truncate(),
-        );
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        ui.allocate_ui_with_layout(egui::Vec2::new(NAMES, 18.0), layout, |ui| {
+            ui.set_min_width(NAMES);
+            ui.add(egui::Label::new(RichText::new(name).weak()).truncate());
+        });
         contents(ui)
     })
     .inner

@@ -1,9 +1,7 @@
 //! Curves on a logarithmic scale.
 
 use crate::format::share;
-use egui::{
-    Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, WidgetType,
-};
+use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo};
 
 /// A line of a plot.
 pub struct Curve {
@@ -19,8 +17,7 @@ const FLOOR: f64 = 1e-6;
 pub fn plot(ui: &mut Ui, name: &str, height: f32, curves: &[Curve]) {
     let size = Vec2::new(ui.available_width(), height);
     let (response, painter) = ui.allocate_painter(size, Sense::hover());
-    response
-        .widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, format!("plot of {name}")));
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("plot of {name}")));
     let visuals = ui.visuals();
     painter.rect_filled(response.rect, 4.0, visuals.extreme_bg_color);
     let axes = Axes::new(response.rect, curves);

@@ -37,11 +37,11 @@ pub fn show(ui: &mut Ui, desk: &Desk) {
                 .take(20)
                 .map(String::as_str)
                 .collect();
-            ui.label(RichText::new(format!("⚠ {}", status.warnings.len())).weak())
+            ui.label(RichText::new(format!("{} warnings", status.warnings.len())).weak())
                 .on_hover_text(few.join("\n"));
         }
         if let Some(note) = &status.note {
-            ui.label(RichText::new("ℹ").color(ACCENT))
+            ui.label(RichText::new("note").color(ACCENT))
                 .on_hover_text(note);
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

@@ -48,9 +48,9 @@ fn save_menu(ui: &mut Ui, desk: &mut Desk) {
 fn run_buttons(ui: &mut Ui, desk: &mut Desk) {
     let is_solving = desk.status.phase == Phase::Solving;
     let (name, command) = if is_solving {
-        ("⏸ Pause", Command::Pause)
+        ("Pause", Command::Pause)
     } else {
-        ("▶ Run", Command::Run)
+        ("Run", Command::Run)
     };
     let is_there = desk.snapshot.is_some();
     let run = ui.add_enabled(is_there, Button::new(name).min_size([72.0, 0.0].into()));
@@ -58,14 +58,14 @@ fn run_buttons(ui: &mut Ui, desk: &mut Desk) {
         desk.session.send(command);
     }
     if ui
-        .add_enabled(is_there, Button::new("⏭ Step"))
+        .add_enabled(is_there, Button::new("Step"))
         .on_hover_text("One step, then a pause (N)")
         .clicked()
     {
         desk.session.send(Command::Step);
     }
     if ui
-        .add_enabled(is_there, Button::new("⟲ Restart"))
+        .add_enabled(is_there, Button::new("Restart"))
         .on_hover_text("Back to the light of the lamps alone (R)")
         .clicked()
     {

@@ -70,8 +70,8 @@ pub fn view(
     tiles: &[Tile],
     pictures: &[Option<TextureId>],
 ) {
-    let response = ui.interact(rect, ui.id().with("picture"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "picture"));
+    let response = ui.interact(rect, ui.scope_id().with("picture"), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "picture"));
     point(desk, &response, tiles);
     if response.clicked() {
         ui.memory_mut(|memory| {

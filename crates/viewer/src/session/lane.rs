@@ -14,6 +14,7 @@ use hemicube_radiosity::{
 };
 use hemicube_raster::Rgb;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Patches up to which a matrix method's light is looked at in the middle of a sweep.
 const FEW_PATCHES: usize = 2000;
@@ -34,7 +35,7 @@ pub(super) struct Lane<'a> {
     kind: SolverKind,
     work: Work<'a>,
     history: History,
-    pub seconds: f64,
+    seconds: f64,
     tolerance: f64,
 }
 
@@ -115,6 +116,7 @@ impl<'a> Lane<'a> {
 
     /// Does a step.
     pub fn step(&mut self) {
+        let start = Instant::now();
         match &mut self.work {
             Work::Shooting(solver) => drop(solver.step()),
             Work::Device(solver) => drop(solver.step()),
@@ -122,6 +124,7 @@ impl<'a> Lane<'a> {
             Work::Matrix(priced) => priced.step(),
             Work::Waiting(_) => {}
         }
+        self.seconds += start.elapsed().as_secs_f64();
     }
 
     /// Where it is.

@@ -48,11 +48,14 @@ pub(crate) struct Board {
     wake: Mutex<Box<dyn Fn() + Send>>,
 }
 
-struct EndOnDrop(Arc<Inbox>);
+struct EndOnDrop {
+    inbox: Arc<Inbox>,
+    _threads: rayon::ThreadPool,
+}
 
 impl Drop for EndOnDrop {
     fn drop(&mut self) {
-        self.0.send(Command::Quit);
+        self.inbox.send(Command::Quit);
     }
 }
 
@@ -66,12 +69,14 @@ impl Session {
             wake: Mutex::new(Box::new(|| {})),
         });
         let worker = worker::Worker::new(inbox.clone(), board.clone(), settings);
-        std::thread::Builder::new()
-            .name(String::from("hemicube solver"))
-            .spawn(move || worker.run())
-            .expect("a thread can be started");
+        // It is one of the threads that it computes with.
+        let threads = background_pool();
+        threads.spawn(move || worker.run());
         Self {
-            _end: Arc::new(EndOnDrop(inbox.clone())),
+            _end: Arc::new(EndOnDrop {
+                inbox: inbox.clone(),
+                _threads: threads,
+            }),
             inbox,
             board,
         }

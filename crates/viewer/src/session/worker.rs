@@ -15,7 +15,6 @@ use crate::session::loader::Loader;
 use crate::session::snapshot::{HemicubePicture, PatchRow};
 use crate::session::{
     Board, Command, FactorsBy, History, Inbox, LaneView, Phase, Settings, Snapshot, Source, Watch,
-    background_pool,
 };
 use hemicube_gpu::{Context, Gpu};
 use hemicube_radiosity::backend::{Backend, Cpu};
@@ -24,7 +23,6 @@ use hemicube_radiosity::form_factor::{Cached, FormFactors, Row};
 use hemicube_radiosity::{
     Grouping, MaterialEdit, PatchMesh, RadiosityError, Solution, SolveOptions, SolverKind,
 };
-use rayon::ThreadPool;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -43,7 +41,6 @@ pub(super) struct Worker {
     inbox: Arc<Inbox>,
     board: Arc<Board>,
     loader: Loader,
-    pool: ThreadPool,
     settings: Settings,
     is_running: bool,
     /// Single steps that are still to be done.
@@ -80,7 +77,6 @@ impl Worker {
             inbox,
             board,
             settings,
-            pool: background_pool(),
             is_running: true,
             steps_wanted: 0,
             watch: Watch::default(),
@@ -234,7 +230,7 @@ impl Worker {
         let mut lanes = Vec::new();
         while !states.is_empty() {
             let state = states.remove(0);
-            match self.pool.install(|| Lane::new(state, &tools)) {
+            match Lane::new(state, &tools) {
                 Ok(lane) => lanes.push(lane),
                 Err((error, state)) => {
                     job.lanes = lanes.into_iter().map(Lane::into_state).collect();
@@ -311,25 +307,19 @@ impl Worker {
 
     /// Steps for a short while; each lane does as many.
     fn burst(&mut self, lanes: &mut [Lane<'_>]) -> u64 {
-        let (inbox, steps_wanted) = (&self.inbox, &mut self.steps_wanted);
-        let is_running = self.is_running;
-        self.pool.install(|| {
-            let start = Instant::now();
-            let mut steps = 0;
-            while (is_running || *steps_wanted > 0) && start.elapsed() < BURST {
-                for lane in lanes.iter_mut().filter(|lane| !lane.is_finished()) {
-                    let start = Instant::now();
-                    lane.step();
-                    lane.seconds += start.elapsed().as_secs_f64();
-                }
-                steps += 1;
-                *steps_wanted = steps_wanted.saturating_sub(1);
-                if inbox.is_full() || lanes.iter().all(Lane::is_finished) {
-                    break;
-                }
+        let start = Instant::now();
+        let mut steps = 0;
+        while (self.is_running || self.steps_wanted > 0) && start.elapsed() < BURST {
+            for lane in lanes.iter_mut().filter(|lane| !lane.is_finished()) {
+                lane.step();
             }
-            steps
-        })
+            steps += 1;
+            self.steps_wanted = self.steps_wanted.saturating_sub(1);
+            if self.inbox.is_full() || lanes.iter().all(Lane::is_finished) {
+                break;
+            }
+        }
+        steps
     }
 
     fn set_phase(&self, phase: Phase) {
@@ -353,16 +343,10 @@ impl Worker {
         }
         let begin = Instant::now();
         let truth = job.truth.as_deref();
-        let views: Vec<LaneView> = self
-            .pool
-            .install(|| lanes.iter_mut().map(|lane| lane.view(truth)).collect());
+        let views: Vec<LaneView> = lanes.iter_mut().map(|lane| lane.view(truth)).collect();
         let shooter = views[0].shooter;
-        let (hemicube, row) = self.pool.install(|| {
-            (
-                figures.hemicube(self.watch, shooter, at_once),
-                figures.row(self.watch, &**factors),
-            )
-        });
+        let hemicube = figures.hemicube(self.watch, shooter, at_once);
+        let row = figures.row(self.watch, &**factors);
         self.serial += 1;
         self.board.show(Snapshot {
             serial: self.serial,
