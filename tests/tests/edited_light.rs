@@ -1,8 +1,11 @@
 //! Light that is edited: shooting the difference ends where solving from scratch does.
 
+use hemicube::radiosity::form_factor::Cached;
+use hemicube::radiosity::solve::run;
+use hemicube::radiosity::stop::NEVER;
 use hemicube::radiosity::{
-    Grouping, MaterialEdit, PatchMesh, PatchOptions, RadiosityError, Solution, SolveOptions,
-    SolverKind, resume, solve,
+    Grouping, MaterialEdit, Order, PatchMesh, PatchOptions, RadiosityError, RayCast, Shooting,
+    Solution, SolveOptions, Solver, SolverKind, resume, solve, unlit,
 };
 use hemicube::raster::Rgb;
 use hemicube::scene::{AlphaMode, Scene, builtin};
@@ -127,11 +130,23 @@ fn gauss_seidel_ends_where_scratch_does() {
 
 #[test]
 fn an_edit_taken_back_leaves_nothing_to_shoot() {
-    let options = options(SolverKind::SortedShooting, Grouping::Together);
+    let options = SolveOptions {
+        tolerance: 1e-5,
+        ..options(SolverKind::SortedShooting, Grouping::Together)
+    };
     let scene = builtin::scene("cornell").expect("it is built in");
     let lamp = material(&scene, "light");
     let emission = scene.materials[lamp].emission;
-    let before = solved(scene, &options);
+    // What was shot by some rows is taken back by the same ones: rays know which patches emit.
+    let start = unlit(Arc::new(scene), &options, NEVER).expect("it can be meshed");
+    let raycast = options.form_factor_options().raycast;
+    let factors = Cached::new(RayCast::new(start.mesh().clone(), raycast), 1 << 26);
+    let settled = |solution| {
+        let mut solver = Shooting::new(&factors, solution, Order::Sorted);
+        run(&mut solver, options.tolerance, |_, _| true);
+        solver.into_solution()
+    };
+    let before = settled(start);
     let off = edited(
         before.clone(),
         &MaterialEdit::new(lamp).with_emission(Rgb::BLACK),
@@ -142,7 +157,7 @@ fn an_edit_taken_back_leaves_nothing_to_shoot() {
         "all that fell is to be taken back, and hardly anything emits: {}",
         off.unshot_fraction()
     );
-    let dark = resume(off.clone(), &options, |_, _| true).expect("it can be solved");
+    let dark = settled(off.clone());
     let left = brightest(&dark) / brightest(&before);
     assert!(left < 1e-5, "it is dark: {left:.1e}");
     let back = edited(off, &MaterialEdit::new(lamp).with_emission(emission), 0);
@@ -162,10 +177,13 @@ fn what_starts_to_emit_gets_a_group_of_its_own() {
     assert_eq!(group, 1, "before the lights without an area");
     let start = edited(start, &MaterialEdit::new(green).with_emission(glow), group);
     let after = resume(start, &options, |_, _| true).expect("it can be solved");
-    assert_eq!(
-        after.irradiance(0, 1),
-        lamp_before,
-        "the lamp's own light is as it was, to the bit: nothing of it was unshot enough to shoot again"
+    let change = lamp_before
+        .iter()
+        .zip(after.irradiance(0, 1))
+        .map(|(a, b)| (a - b).abs());
+    assert!(
+        change.fold(0.0, f32::max) < 1e-4,
+        "the lamp's own light stays, but for what was unshot"
     );
     scene.materials[green].emission = glow;
     let scratch = solved(scene, &options);

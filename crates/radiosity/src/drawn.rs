@@ -258,7 +258,9 @@ fn corner_irradiance(solution: &Solution) -> Vec<Vec<(u32, Rgb)>> {
                         .filter(|&other| similar(element_normal(mesh, other), normal))
                         .collect();
                     // The group is named by its first element, so that all its members agree on the name.
-                    let first = *group.first().expect("an element lies around its own corner");
+                    let first = *group
+                        .first()
+                        .expect("an element lies around its own corner");
                     (first, mean_over(mesh, &values, &group))
                 })
                 .collect()

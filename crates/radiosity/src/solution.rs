@@ -253,8 +253,9 @@ impl Solution {
     ///
     /// What was shot has arrived and stays. Radiosity `B = E + ρ H` changes at once, and what changed is unshot:
     /// `U' = U + ΔE + Δρ H`, which may be negative. Any solver goes on from here; where it ends is the solution from
-    /// scratch, but for the rounding of f32, which is relative to the brightest light that ever fell. `group_of` says in
-    /// which group the emission of an element counts.
+    /// scratch, but for the rounding of f32, which is relative to the brightest light that ever fell. Light is taken back by
+    /// the same form factors that brought it, so they should be kept: those made for the edited mesh may differ by their
+    /// noise (rays are spent on what emits). `group_of` says in which group the emission of an element counts.
     ///
     /// # Panics
     /// The mesh has another number of elements, or there is no such group.

@@ -4,6 +4,7 @@ use crate::desk::Desk;
 use crate::draw::Stage;
 use crate::panels::{self, HemicubeTexture, obey_keys};
 use crate::prefs::Prefs;
+use crate::session::Settings;
 use crate::theme;
 use egui_wgpu::RenderState;
 use std::sync::Arc;
@@ -21,6 +22,8 @@ pub struct ViewOptions {
     pub measure: Option<Duration>,
     /// Width and height of the window in points. Default value: none, as it was last, at first 1280 by 800.
     pub size: Option<[f32; 2]>,
+    /// How the light is found. Default value: none, as last time.
+    pub settings: Option<Settings>,
     /// Whether what was set last time is left alone and nothing is remembered. Default value: no.
     pub forgets: bool,
 }
@@ -31,6 +34,7 @@ impl Default for ViewOptions {
             scene: String::from("office"),
             measure: None,
             size: None,
+            settings: None,
             forgets: false,
         }
     }
@@ -58,10 +62,13 @@ impl Viewer {
         options: &ViewOptions,
     ) -> Self {
         theme::apply(ctx);
-        let prefs = remembered
+        let mut prefs = remembered
             .filter(|_| !options.forgets)
             .and_then(|text| serde_json::from_str::<Prefs>(text).ok())
             .unwrap_or_default();
+        if let Some(settings) = options.settings {
+            prefs.settings = settings;
+        }
         let waking = ctx.clone();
         let mut desk = Desk::new(
             prefs,
@@ -109,6 +116,9 @@ impl Viewer {
             .frame(middle)
             .show(ui, |ui| self.picture(ui));
         panels::over(ui, &mut self.desk);
+        if let Some(rest) = self.desk.note_eye() {
+            ui.ctx().request_repaint_after(rest);
+        }
         self.asked = moves || self.ends.is_some();
         if self.asked {
             ui.ctx().request_repaint();
@@ -139,8 +149,8 @@ impl Viewer {
         }
     }
 
-    fn end_in_time(&self, ctx: &egui::Context) {
-        if self.ends.is_some_and(|end| Instant::now() >= end) {
+    fn end_in_time(&mut self, ctx: &egui::Context) {
+        if self.ends.take_if(|end| Instant::now() >= *end).is_some() {
             if let Some(report) = self.desk.frames.report() {
                 println!("{report}");
             }

@@ -29,6 +29,8 @@ const SHOWN: TextureFormat = TextureFormat::Rgba8Unorm;
 /// What draws panes.
 pub struct Stage {
     context: Arc<Context>,
+    /// Whether the processor draws, which the solver needs, too.
+    is_software: bool,
     egui: Arc<egui::mutex::RwLock<Renderer>>,
     scene: Option<OnStage>,
     pictures: Vec<Picture>,
@@ -59,6 +61,7 @@ struct Shown {
     display: Display,
     exposure: f32,
     selected: Option<usize>,
+    is_smooth: bool,
 }
 
 impl Shown {
@@ -79,6 +82,7 @@ impl Stage {
         let context = Context::from_wgpu(&name, window.device.clone(), window.queue.clone())?;
         Ok(Self {
             context: Arc::new(context),
+            is_software: window.adapter.get_info().device_type == wgpu::DeviceType::Cpu,
             egui: window.renderer.clone(),
             scene: None,
             pictures: Vec::new(),
@@ -176,7 +180,7 @@ impl Stage {
             }
             let texture = texture(&self.context, tile.size);
             let view = texture.create_view(&TextureViewDescriptor::default());
-            let (device, filter) = (&self.context.device, wgpu::FilterMode::Linear);
+            let (device, filter) = (&self.context.device, wgpu::FilterMode::Nearest);
             let id = match self.pictures.get(i) {
                 Some(picture) => {
                     renderer
@@ -214,7 +218,9 @@ impl Stage {
             selected: desk
                 .selected_patch()
                 .filter(|_| desk.prefs.display.quantity == Quantity::FormFactors),
+            is_smooth: desk.prefs.display.smooth_edges && (!self.is_software || desk.is_still()),
         };
+        let is_smooth = shown.is_smooth;
         if self.pictures[i].shows.as_ref() == Some(&shown) {
             return Ok(());
         }
@@ -243,7 +249,7 @@ impl Stage {
         let camera = desk.eye.camera("view");
         scene
             .walkthrough
-            .draw(&mut encoder, target, &camera, &options(desk))?;
+            .draw(&mut encoder, target, &camera, &options(desk, is_smooth))?;
         self.context.queue.submit([encoder.finish()]);
         self.pictures[i].shows = Some(shown);
         Ok(())
@@ -282,7 +288,9 @@ impl Stage {
     pub fn save(&mut self, desk: &Desk, size: [u32; 2], path: &Path) -> Result<(), String> {
         let scene = self.scene.as_mut().ok_or("there is no scene yet")?;
         let camera = desk.eye.camera("view");
-        let picture = scene.walkthrough.display(&camera, size, &options(desk));
+        let picture = scene
+            .walkthrough
+            .display(&camera, size, &options(desk, true));
         let picture: Image<Rgb> = picture.map_err(|error| error.to_string())?;
         let encoded = crate::film_job::srgb8(&picture);
         crate::walk::save_png(path, &encoded).map_err(|error| error.to_string())
@@ -382,14 +390,14 @@ fn without_textures(mesh: &PatchMesh) -> Scene {
 }
 
 /// The device's options for what the window shows.
-fn options(desk: &Desk) -> DrawOptions {
+fn options(desk: &Desk, is_smooth: bool) -> DrawOptions {
     let display = &desk.prefs.display;
     let options = DrawOptions::default()
         .with_exposure(desk.exposure)
         .with_tone_map(display.tone_map())
         .with_background(Rgb::splat(0.02 / desk.exposure.max(1e-30)))
         .with_style(style(desk))
-        .with_smoothing(if display.smooth_edges {
+        .with_smoothing(if is_smooth {
             Smoothing::Multisample
         } else {
             Smoothing::None

@@ -10,7 +10,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 fn draft() -> Settings {
-    Settings::default().with_quality(Quality::Draft)
+    Settings::default()
+        .with_quality(Quality::Draft)
+        .with_tolerance(1e-3)
 }
 
 fn opened(settings: Settings, scene: &str) -> Session {
@@ -62,7 +64,7 @@ fn light_arrives_until_it_is_found() {
     assert_eq!(last.geometry, first.geometry, "of the same mesh");
     let lane = &last.lanes[0];
     assert!(
-        lane.progress.unshot <= 1e-4 && lane.progress.iteration > 50,
+        lane.progress.unshot <= 1e-3 && lane.progress.iteration > 50,
         "{:?}",
         lane.progress
     );
@@ -138,8 +140,8 @@ fn an_edit_ends_where_solving_the_edited_scene_does() {
     let most =
         (0..scratch.mesh().elements().len()).map(|e| scratch.element_irradiance(e).max_band());
     let (apart, most) = (apart.fold(0.0, f32::max), most.fold(0.0, f32::max));
-    // Both leave 1e-4 of the flux unshot, in other places.
-    assert!(apart < 2e-3 * most, "{apart} of {most}");
+    // Both leave 1e-3 of the flux unshot, in other places.
+    assert!(apart < 1e-2 * most, "{apart} of {most}");
 }
 
 #[test]
@@ -189,7 +191,7 @@ fn another_way_goes_on_from_the_light_that_there_is() {
         let other = wait(&session, "it goes on", |snapshot, status| {
             snapshot.lanes[0].kind == SolverKind::Overshooting && status.phase == Phase::Finished
         });
-        assert!(other.lanes[0].progress.unshot < 2e-4, "{by:?}");
+        assert!(other.lanes[0].progress.unshot <= 1e-3, "{by:?}");
     }
     assert_eq!(session.status().error, None, "nothing went wrong");
 }

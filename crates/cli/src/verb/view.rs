@@ -12,6 +12,7 @@ pub fn run(args: &ViewVerb) -> Result<(), Failure> {
         size: args
             .size
             .map(|(width, height)| [width as f32, height as f32]),
+        settings: None,
         forgets: args.fresh,
     };
     hemicube_viewer::view(options).map_err(|error| Failure::Failed(error.to_string()))

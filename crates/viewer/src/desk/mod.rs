@@ -97,6 +97,9 @@ pub struct Desk {
     pub frames: FrameTimes,
     /// A session that waits for its scene.
     pending: Option<Document>,
+    /// Where the eye was in the last frame, and when it last moved.
+    seen: Option<Eye>,
+    moved: Option<Instant>,
     /// The scene as its file has it.
     original: Option<Arc<Scene>>,
     /// What the exposure was worked out for.
@@ -175,6 +178,8 @@ impl Desk {
             wanted_picture: None,
             frames: FrameTimes::default(),
             pending: None,
+            seen: None,
+            moved: None,
             original: None,
             exposed: None,
             entered: None,

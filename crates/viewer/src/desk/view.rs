@@ -1,7 +1,9 @@
 //! Moving the eye.
 
 use crate::desk::Desk;
+use crate::session::Phase;
 use crate::walk::{EyeMode, Step};
+use std::time::{Duration, Instant};
 
 /// What keys ask of the eye in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -23,6 +25,8 @@ impl Motion {
     }
 }
 
+/// How long an eye rests until it counts as still.
+const STILL: Duration = Duration::from_millis(250);
 /// Longest time that a frame counts for: after a pause nobody jumps.
 const LONGEST_FRAME: f32 = 0.2;
 
@@ -57,6 +61,22 @@ impl Desk {
         }
         !motion.is_still()
             || self.eye.position.distance(before.position) > 1e-5 * self.body.eye_height
+    }
+
+    /// Whether the picture stays as it is: the light is not on its way, and nobody moved for a while.
+    pub fn is_still(&self) -> bool {
+        let is_solving = matches!(self.status.phase, Phase::Solving | Phase::Preparing);
+        !is_solving && self.moved.is_none_or(|moved| moved.elapsed() > STILL)
+    }
+
+    /// Notes where the eye is; returns how long it has to stay there to be still.
+    pub fn note_eye(&mut self) -> Option<Duration> {
+        if self.seen != Some(self.eye) {
+            self.seen = Some(self.eye);
+            self.moved = Some(Instant::now());
+        }
+        let elapsed = self.moved?.elapsed();
+        (elapsed <= STILL).then(|| STILL + Duration::from_millis(5) - elapsed)
     }
 
     fn play(&mut self, seconds: f32) {

@@ -16,7 +16,9 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
                     for quantity in Quantity::ALL {
                         ui.selectable_value(&mut display.quantity, quantity, quantity.label());
                     }
-                });
+                })
+                .response
+                .on_hover_text("What surfaces show");
         });
         match display.quantity {
             Quantity::Light => tones(ui, desk),
@@ -45,7 +47,9 @@ fn tones(ui: &mut Ui, desk: &mut Desk) {
                 for other in ToneMap::ALL {
                     ui.selectable_value(&mut tone_map, other, other.name());
                 }
-            });
+            })
+            .response
+            .on_hover_text("Tone curve");
         display.set_tone_map(tone_map);
     });
 }

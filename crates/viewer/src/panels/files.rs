@@ -122,9 +122,7 @@ fn message(ui: &Ui, id: &str, text: &str, color: Color32) -> bool {
                 ui.set_max_width(640.0);
                 ui.colored_label(color, if id == "error" { "!" } else { "•" });
                 ui.add(egui::Label::new(text).wrap().selectable(true));
-                ui.add(Button::new("×").frame(false))
-                    .on_hover_text("Dismiss")
-                    .clicked()
+                ui.add(Button::new("Dismiss").small()).clicked()
             })
             .inner
         })

@@ -127,7 +127,9 @@ fn sources(ui: &mut Ui, desk: &mut Desk) {
                         for (group, name) in names.iter().enumerate() {
                             ui.selectable_value(&mut source.group, group, name);
                         }
-                    });
+                    })
+                    .response
+                    .on_hover_text("Group that it is dimmed with");
                 ui.end_row();
             }
         });

@@ -83,7 +83,10 @@ pub fn view(
     }
     look(ui, desk, &response);
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
+    // What pictures cover is not filled before: where the processor draws, that is felt.
+    if tiles.len() != 1 || pictures.iter().any(Option::is_none) {
+        painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
+    }
     for (tile, picture) in tiles.iter().zip(pictures) {
         if let Some(id) = picture {
             let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));

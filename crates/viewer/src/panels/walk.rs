@@ -67,7 +67,9 @@ fn film(ui: &mut Ui, desk: &mut Desk) {
                 for other in FilmFormat::ALL {
                     ui.selectable_value(format, other, other.label());
                 }
-            });
+            })
+            .response
+            .on_hover_text("How frames are kept");
     });
     row(ui, "Height", |ui| {
         for height in [360, 720, 1080] {

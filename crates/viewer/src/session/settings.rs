@@ -110,6 +110,11 @@ impl Settings {
         }
     }
 
+    /// Another unshot share at which the light counts as found.
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
+    }
+
     /// The way to the equilibrium.
     pub fn solver(&self) -> SolverKind {
         SolverKind::ALL
