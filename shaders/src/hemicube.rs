@@ -5,19 +5,21 @@ use bytemuck::{Pod, Zeroable};
 
 /// Vertices into the frames of hemicubes, and what each receiver may be seen as.
 pub const PLACE: Shader = shader!("hemicube_place", "hemicube_types");
+/// The receivers that each face shows, in lists.
+pub const ARRANGE: Shader = shader!("hemicube_arrange", "hemicube_types");
 /// Item buffers.
 pub const DRAW: Shader = shader!("hemicube_draw", "hemicube_types");
 /// Sums of delta form factors by item.
-pub const SUM: Shader = shader!("hemicube_sum", "hemicube_types");
+pub const SUM: Shader = shader!("hemicube_sum", "hemicube_rows", "hemicube_types");
+/// The same where panes let light through, layer by layer.
+pub const PEEL: Shader = shader!("hemicube_peel", "hemicube_rows", "hemicube_types");
 
-pub(crate) const SHADERS: [Shader; 3] = [PLACE, DRAW, SUM];
+pub(crate) const SHADERS: [Shader; 5] = [PLACE, ARRANGE, DRAW, SUM, PEEL];
 
-/// An element or an obstruction.
+/// An element or an obstruction; its vertices are kept apart.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Receiver {
-    /// Vertices; the fourth repeats the third of a triangle.
-    pub corners: [u32; 4],
     /// Unit normal of its lit side.
     pub normal: [f32; 3],
     /// `RECEIVER_*` bits.
@@ -62,6 +64,14 @@ pub struct HemicubeParams {
     pub elements: u32,
     /// Cells along an edge of the top face.
     pub resolution: u32,
+    /// Groups of 64 receivers.
+    pub groups: u32,
+    /// Indices that draw a receiver: 6, or 3 where all are triangles.
+    pub indices: u32,
+    /// Unused.
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
 }
 
 /// What one draw call needs.
@@ -70,12 +80,26 @@ pub struct HemicubeParams {
 pub struct DrawParams {
     /// Which of the batch's hemicubes.
     pub viewpoint: u32,
+    /// Which of its faces.
+    pub face: u32,
     /// Unused.
     pub padding_0: u32,
     /// Unused.
     pub padding_1: u32,
+}
+
+/// What peeling one layer needs.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct LayerParams {
+    /// Layers before this one.
+    pub layer: u32,
+    /// 1 if what passes this one counts as absorbed.
+    pub is_last: u32,
     /// Unused.
-    pub padding_2: u32,
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
 }
 
 /// Both sides of its face are elements.
@@ -84,6 +108,12 @@ pub const RECEIVER_BOTH_SIDES: u32 = 1;
 pub const RECEIVER_EXPOSED: u32 = 2;
 /// It only blocks and absorbs, on both sides.
 pub const RECEIVER_OBSTRUCTION: u32 = 4;
+/// Faces of a hemicube.
+pub const FACES: u32 = 5;
+/// Masks of a hemicube over its receivers: one for each face, and one for sides that only absorb.
+pub const MASKS: u32 = 6;
+/// Layers of panes that are looked through.
+pub const MAX_LAYERS: u32 = 8;
 /// A cell that sees nothing.
 pub const ITEM_EMPTY: u32 = u32::MAX;
 /// Cells of a row that one invocation of the sum walks along.

@@ -3,10 +3,11 @@
 //! A [`Shader`] is one file followed by the parts that it shares with others; WGSL does not mind the order, and line
 //! numbers in messages stay right. [`all`] lists them for whoever wants to look at them, translate them or check them:
 //! naga parses and validates every one in this crate's tests, without a GPU, and compares its structs and constants with
-//! their Rust twins.
+//! their Rust twins. [`memory`] says what a scene takes on a device.
 #![forbid(unsafe_code)]
 
 pub mod hemicube;
+pub mod memory;
 pub mod raycast;
 pub mod shooting;
 pub mod surface;

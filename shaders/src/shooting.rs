@@ -1,6 +1,5 @@
 //! Sorted shooting with all its state on the device.
 
-use crate::hemicube::Viewpoint;
 use crate::{Shader, shader};
 use bytemuck::{Pod, Zeroable};
 
@@ -11,7 +10,7 @@ pub(crate) const SHADERS: [Shader; 1] = [SHOOTING];
 
 /// Sizes that all stages need.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct ShootingParams {
     /// Elements.
     pub elements: u32,
@@ -19,8 +18,16 @@ pub struct ShootingParams {
     pub patches: u32,
     /// Groups of luminaires times bands.
     pub channels: u32,
+    /// Sums of each hemicube: 3 where panes let light of each band through by its own share, else 1.
+    pub bands: u32,
+    /// Distance beyond which nothing is.
+    pub farthest: f32,
     /// Unused.
-    pub padding: u32,
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
+    /// Unused.
+    pub padding_2: u32,
 }
 
 /// What a shot needs to know of an element.
@@ -43,7 +50,7 @@ pub struct ElementLight {
 
 /// A patch: its elements and its hemicubes.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct ShootingPatch {
     /// Its first element.
     pub first_element: u32,
@@ -53,22 +60,24 @@ pub struct ShootingPatch {
     pub first_view: u32,
     /// Number of its hemicubes.
     pub views: u32,
+    /// Its normal.
+    pub normal: [f32; 3],
+    /// Unused.
+    pub padding: u32,
 }
 
-/// Where a hemicube of a patch stands.
+/// Where a hemicube of a patch stands; the rest of its frame follows from the patch.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct ShotView {
-    /// Its place and frame.
-    pub viewpoint: Viewpoint,
+    /// Off the surface.
+    pub origin: [f32; 3],
     /// Share of the patch that it stands for.
     pub weight: f32,
-    /// Unused.
-    pub padding_0: u32,
-    /// Unused.
-    pub padding_1: u32,
-    /// Unused.
-    pub padding_2: u32,
+    /// First axis in the patch's plane.
+    pub tangent: [f32; 3],
+    /// Least distance of the near planes.
+    pub least_near: f32,
 }
 
 /// Where the solver is.
@@ -89,8 +98,8 @@ pub struct ShotState {
     pub unshot: f32,
     /// The most that one patch has.
     pub largest: f32,
-    /// 1 if no patch may begin to shoot.
-    pub holds: u32,
+    /// No patch begins to shoot after so many.
+    pub most_shots: u32,
 }
 
 /// Numbers of each channel behind the light: flux shot, flux absorbed by backs, flux escaped; the last two with what

@@ -7,6 +7,21 @@ use bytemuck::{Pod, Zeroable};
 pub const LIT: Shader = shader!("lit", "surface");
 /// Surfaces with textures.
 pub const TEXTURED: Shader = shader!("textured", "surface", "texture_filter", "texels");
+/// Surfaces with textures and relief.
+pub const BUMP: Shader = shader!("bump", "surface", "texture_filter", "texels", "relief");
+/// Surfaces that mirror what is around them.
+pub const ENVIRONMENT: Shader = shader!(
+    "environment",
+    "surface",
+    "texture_filter",
+    "texels",
+    "relief",
+    "environment_map"
+);
+/// Pictures behind everything.
+pub const SURROUNDINGS: Shader = shader!("surroundings", "environment_map");
+/// Cube maps and their levels.
+pub const PREFILTER: Shader = shader!("prefilter");
 /// Light of elements at vertices.
 pub const VERTEX_LIGHT: Shader = shader!("vertex_light");
 /// Edges of elements.
@@ -20,9 +35,13 @@ pub const ANTIALIAS: Shader = shader!("antialias", "tones");
 /// Illuminance as colours.
 pub const FALSECOLOUR: Shader = shader!("falsecolour", "surface");
 
-pub(crate) const SHADERS: [Shader; 8] = [
+pub(crate) const SHADERS: [Shader; 12] = [
     LIT,
     TEXTURED,
+    BUMP,
+    ENVIRONMENT,
+    SURROUNDINGS,
+    PREFILTER,
     VERTEX_LIGHT,
     MESH_LINES,
     PICK,
@@ -49,14 +68,14 @@ pub struct View {
     pub flags: u32,
     /// Largest diffuse reflectance.
     pub max_reflectance: f32,
-    /// `MINIFY_*`.
-    pub minify: u32,
-    /// `MAGNIFY_*`.
-    pub magnify: u32,
     /// How much longer than wide a footprint may be.
     pub max_anisotropy: f32,
     /// Radius of EWA's Gaussian around a pixel's middle, in pixels.
     pub ewa_radius: f32,
+    /// Unused.
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
 }
 
 /// The element's own light instead of that between vertices.
@@ -64,10 +83,6 @@ pub const VIEW_FLAT: u32 = 1;
 /// Metals reflect like everything else.
 pub const VIEW_METALS_DIFFUSE: u32 = 2;
 
-/// By the sampler.
-pub const MINIFY_SAMPLER: u32 = 0;
-/// Elliptical weighted average.
-pub const MINIFY_EWA: u32 = 1;
 /// By the sampler.
 pub const MAGNIFY_SAMPLER: u32 = 0;
 /// Catmull and Rom.
@@ -85,14 +100,12 @@ pub struct Slot {
     pub matrix: [f32; 4],
     /// What is added.
     pub offset: [f32; 2],
-    /// `SLOT_*` bits, 0 without a texture.
+    /// `SLOT_*` bits.
     pub flags: u32,
     /// Unused.
     pub padding: u32,
 }
 
-/// There is a texture.
-pub const SLOT_PRESENT: u32 = 1;
 /// It uses the second set of coordinates.
 pub const SLOT_SECOND: u32 = 2;
 /// It uses a set that the mesh does not have.
@@ -140,11 +153,6 @@ pub struct Material {
 pub const MATERIAL_MASK: u32 = 1;
 /// Alpha is coverage.
 pub const MATERIAL_BLEND: u32 = 2;
-/// The relief is a normal map.
-pub const MATERIAL_NORMALS: u32 = 4;
-/// The relief is a picture of heights.
-pub const MATERIAL_HEIGHTS: u32 = 8;
-
 /// Number of the base colour's slot.
 pub const SLOT_BASE: u32 = 0;
 /// Of the metallic share's.
@@ -184,6 +192,136 @@ pub struct SurfaceVertex {
 pub const CORNER_NUMBER: u32 = 3;
 /// Its triangle shows the side that its relief was not made for.
 pub const CORNER_TURNED: u32 = 4;
+
+/// Bits of a vertex's corner from which on the number of its triangle stands, among those with a relief.
+pub const CORNER_TRIANGLE_SHIFT: u32 = 3;
+/// There is no relief.
+pub const RELIEF_NONE: u32 = 0;
+/// It is a normal map.
+pub const RELIEF_NORMALS: u32 = 1;
+/// It is a picture of heights.
+pub const RELIEF_HEIGHTS: u32 = 2;
+/// Directions on each of three rings.
+pub const RELIEF_AROUND: u32 = 8;
+
+/// What was gathered at a vertex, in a frame of its own.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct TiltFit {
+    /// First axis along the surface.
+    pub right: [f32; 3],
+    /// Unused.
+    pub padding_0: u32,
+    /// Second axis along the surface.
+    pub up: [f32; 3],
+    /// Unused.
+    pub padding_1: u32,
+    /// Ring by ring; the fourth number of each is unused.
+    pub changes: [[f32; 4]; 24],
+}
+
+/// What mirrors show.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Mirror {
+    /// Where the map was taken.
+    pub position: [f32; 3],
+    /// Radiance of a stored 1.
+    pub scale: f32,
+    /// Lower corner of the box that the map shows.
+    pub low: [f32; 3],
+    /// 1 if it shows one.
+    pub has_room: u32,
+    /// Upper corner.
+    pub high: [f32; 3],
+    /// `PROJECTION_*`.
+    pub projection: u32,
+    /// Levels of the map.
+    pub levels: u32,
+    /// 1 if the map is looked up by the normal.
+    pub by_normal: u32,
+    /// Unused.
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
+}
+
+/// A picture behind everything.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Surroundings {
+    /// Half the picture's width at distance 1, to the right.
+    pub right: [f32; 3],
+    /// `PROJECTION_*`.
+    pub projection: u32,
+    /// Half its height, upwards.
+    pub up: [f32; 3],
+    /// Radiance of a stored 1, exposed.
+    pub scale: f32,
+    /// Ahead.
+    pub forward: [f32; 3],
+    /// Unused.
+    pub padding_0: u32,
+    /// Of the target in pixels.
+    pub size: [f32; 2],
+    /// Of the map's finest level in texels.
+    pub map_size: [f32; 2],
+    /// Scale of what the target sees.
+    pub window_scale: [f32; 2],
+    /// Offset of what the target sees.
+    pub window_offset: [f32; 2],
+}
+
+/// Six squares.
+pub const PROJECTION_CUBE: u32 = 0;
+/// Latitude and longitude.
+pub const PROJECTION_LATLONG: u32 = 1;
+/// A mirror ball.
+pub const PROJECTION_SPHERE: u32 = 2;
+/// Two discs.
+pub const PROJECTION_PARABOLOID: u32 = 3;
+/// An octahedron.
+pub const PROJECTION_OCTAHEDRAL: u32 = 4;
+/// A light probe.
+pub const PROJECTION_ANGULAR: u32 = 5;
+/// An equidistant fisheye.
+pub const PROJECTION_FISHEYE: u32 = 6;
+/// An orthographic fisheye.
+pub const PROJECTION_HEMISPHERICAL: u32 = 7;
+/// Rows and columns of the table of mirrored shares.
+pub const SPLIT_SUM_SIDE: u32 = 32;
+
+/// A level of a cube that is made.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct CubeParams {
+    /// Texels of a side of the level that is written.
+    pub side: u32,
+    /// Face, where a single one is written.
+    pub face: u32,
+    /// Samples of the lobe; 0 for a mirror.
+    pub samples: u32,
+    /// Texels of a side of the source's finest level.
+    pub source_side: u32,
+}
+
+/// A direction of a lobe around z.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct LobeSample {
+    /// Of unit length.
+    pub direction: [f32; 3],
+    /// What it stands for.
+    pub solid_angle: f32,
+    /// How much it counts.
+    pub weight: f32,
+    /// Unused.
+    pub padding_0: u32,
+    /// Unused.
+    pub padding_1: u32,
+    /// Unused.
+    pub padding_2: u32,
+}
 
 /// How light of elements becomes light of vertices.
 #[repr(C)]

@@ -3,16 +3,23 @@
 
 @group(0) @binding(0) var<uniform> params: HemicubeParams;
 @group(0) @binding(1) var<storage, read> vertices: array<vec4<f32>>;
-@group(0) @binding(2) var<storage, read> receivers: array<Receiver>;
-@group(0) @binding(3) var<storage, read> viewpoints: array<Viewpoint>;
+// Vertices of each receiver; the fourth repeats the third of a triangle.
+@group(0) @binding(2) var<storage, read> corners_of: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> receivers: array<Receiver>;
+@group(0) @binding(4) var<storage, read> viewpoints: array<Viewpoint>;
 // [viewpoint][vertex]: position in the frame, and the planes beyond which it lies.
-@group(0) @binding(4) var<storage, read_write> placed: array<vec4<f32>>;
-// [viewpoint][receiver]: SEEN_* bits; 0 where it is not seen at all.
-@group(0) @binding(5) var<storage, read_write> seen: array<u32>;
+@group(0) @binding(5) var<storage, read_write> placed: array<vec4<f32>>;
+// [viewpoint][MASKS][2 groups]: one bit for each receiver.
+@group(0) @binding(6) var<storage, read_write> masks: array<u32>;
 // Of each viewpoint: bits of the distance to the nearest receiver; positive numbers are ordered as their bits are.
-@group(0) @binding(6) var<storage, read_write> nearest: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> nearest: array<atomic<u32>>;
 
 const NOT_ABOVE: u32 = 4096u;
+// Set where a receiver shows a side that only absorbs.
+const BACK: u32 = 32u;
+
+// [MASKS][2], of the 64 receivers of a workgroup.
+var<workgroup> masks_of_group: array<atomic<u32>, 12>;
 
 // On which sides of the planes between the five pyramids, and of the hemicube's own, a point lies.
 fn planes_beyond(p: vec3<f32>) -> u32 {
@@ -71,40 +78,56 @@ fn distance_to_polygon(corners: array<vec3<f32>, 4>, count: u32, normal: vec3<f3
     return select(sqrt(nearest_2), abs(dot(polygon[0], normal)), is_over);
 }
 
-@compute @workgroup_size(64)
-fn classify(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let index = id.x + id.z * groups.x * 64u;
-    if index >= params.receivers {
-        return;
-    }
-    let view = viewpoints[id.y];
+// What a receiver may be seen as: bit k for the face k, and BACK; 0 where it is not seen at all.
+fn bits_of(index: u32, viewpoint: u32) -> u32 {
+    let view = viewpoints[viewpoint];
     let receiver = receivers[index];
-    let first = id.y * params.vertices;
+    let vertices_of = corners_of[index];
+    let first = viewpoint * params.vertices;
     var corners: array<vec3<f32>, 4>;
     var beyond_all = 0xffffffffu;
     for (var k = 0u; k < 4u; k++) {
-        let corner = placed[first + receiver.corners[k]];
+        let corner = placed[first + vertices_of[k]];
         corners[k] = corner.xyz;
         beyond_all &= bitcast<u32>(corner.w);
     }
-    let is_obstruction = (receiver.flags & RECEIVER_OBSTRUCTION) != 0u;
     let from_behind = dot(view.origin - receiver.centroid, receiver.normal) <= 0.0;
     let has_other = from_behind && (receiver.flags & RECEIVER_BOTH_SIDES) != 0u;
-    var bits = 0u;
-    if (beyond_all & NOT_ABOVE) == 0u && !has_other {
-        bits = faces_within(beyond_all);
-        if is_obstruction || from_behind || (receiver.flags & RECEIVER_EXPOSED) == 0u {
-            bits |= SEEN_BACK;
-        }
+    if (beyond_all & NOT_ABOVE) != 0u || has_other {
+        return 0u;
+    }
+    let best = bitcast<f32>(atomicLoad(&nearest[viewpoint]));
+    let reach = best + receiver.radius;
+    let offset = view.origin - receiver.centroid;
+    if dot(offset, offset) < reach * reach && abs(dot(offset, receiver.normal)) < best {
         let n = receiver.normal;
         let normal = vec3(dot(n, view.tangent), dot(n, view.bitangent), dot(n, view.normal));
-        let count = select(4u, 3u, receiver.corners.w == receiver.corners.z);
-        let best = bitcast<f32>(atomicLoad(&nearest[id.y]));
-        let reach = best + receiver.radius;
-        let offset = view.origin - receiver.centroid;
-        if dot(offset, offset) < reach * reach && abs(dot(offset, receiver.normal)) < best {
-            atomicMin(&nearest[id.y], bitcast<u32>(distance_to_polygon(corners, count, normal)));
+        let count = select(4u, 3u, vertices_of.w == vertices_of.z);
+        atomicMin(&nearest[viewpoint], bitcast<u32>(distance_to_polygon(corners, count, normal)));
+    }
+    let absorbs = from_behind || (receiver.flags & (RECEIVER_OBSTRUCTION | RECEIVER_EXPOSED)) != RECEIVER_EXPOSED;
+    return faces_within(beyond_all) | select(0u, BACK, absorbs);
+}
+
+@compute @workgroup_size(64)
+fn classify(
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+) {
+    let group = workgroup.x + workgroup.z * groups.x;
+    let index = group * 64u + lane;
+    if index < params.receivers {
+        let bits = bits_of(index, workgroup.y);
+        for (var mask = 0u; mask < MASKS; mask++) {
+            if (bits >> mask & 1u) != 0u {
+                atomicOr(&masks_of_group[2u * mask + lane / 32u], 1u << (lane % 32u));
+            }
         }
     }
-    seen[id.y * params.receivers + index] = bits;
+    workgroupBarrier();
+    if lane < 2u * MASKS && group < params.groups {
+        let first = (workgroup.y * MASKS + lane / 2u) * 2u * params.groups;
+        masks[first + 2u * group + lane % 2u] = atomicLoad(&masks_of_group[lane]);
+    }
 }

@@ -1,9 +1,7 @@
 // What the stages of a hemicube share. Structs have twins in src/hemicube.rs.
 
-// An element or an obstruction.
+// An element or an obstruction. Its vertices are kept apart: drawing needs nothing else of it.
 struct Receiver {
-    // Vertices; the fourth repeats the third of a triangle.
-    corners: vec4<u32>,
     normal: vec3<f32>,
     // RECEIVER_* bits.
     flags: u32,
@@ -33,6 +31,12 @@ struct HemicubeParams {
     elements: u32,
     // Cells along an edge of the top face.
     resolution: u32,
+    // Groups of 64 receivers.
+    groups: u32,
+    // Indices that draw a receiver: 6, or 3 where all are triangles.
+    indices: u32,
+    padding_0: u32,
+    padding_1: u32,
 }
 
 // Both sides of its face are elements.
@@ -42,10 +46,11 @@ const RECEIVER_EXPOSED: u32 = 2u;
 // It only blocks and absorbs, on both sides.
 const RECEIVER_OBSTRUCTION: u32 = 4u;
 
-// A receiver as one hemicube sees it: bits 0 to 4 for the faces on which it may appear.
-const SEEN_FACES: u32 = 31u;
-// It shows a side that only absorbs.
-const SEEN_BACK: u32 = 32u;
+// Faces of a hemicube.
+const FACES: u32 = 5u;
+// Masks of a hemicube over its receivers: one for each face on which they may appear, and last those that show a side that
+// only absorbs.
+const MASKS: u32 = 6u;
 
 // A cell that sees nothing.
 const ITEM_EMPTY: u32 = 0xffffffffu;

@@ -8,7 +8,13 @@ struct ShootingParams {
     patches: u32,
     // Groups of luminaires times bands.
     channels: u32,
-    padding: u32,
+    // Sums of each hemicube: 3 where panes let light of each band through by its own share, else 1.
+    bands: u32,
+    // Distance beyond which nothing is.
+    farthest: f32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 struct ElementLight {
@@ -27,15 +33,19 @@ struct ShootingPatch {
     // Where its hemicubes stand.
     first_view: u32,
     views: u32,
+    normal: vec3<f32>,
+    padding: u32,
 }
 
+// Where a hemicube stands; the rest of its frame follows from its patch.
 struct ShotView {
-    viewpoint: Viewpoint,
+    origin: vec3<f32>,
     // Share of the patch that it stands for.
     weight: f32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
+    // First axis in the patch's plane.
+    tangent: vec3<f32>,
+    // Least distance of the near planes.
+    least_near: f32,
 }
 
 struct ShotState {
@@ -48,11 +58,12 @@ struct ShotState {
     shots: u32,
     // Share of the patch that the hemicube stands for.
     weight: f32,
-    // Unshot flux over all patches, absolute, and the most that one has; when they were last looked at.
+    // Unshot flux over all patches, absolute, and the most that one has; when they were last looked at. What a patch that
+    // shoots has not yet spread is unshot.
     unshot: f32,
     largest: f32,
-    // 1 if no patch may begin to shoot.
-    holds: u32,
+    // No patch begins to shoot after so many.
+    most_shots: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: ShootingParams;
@@ -116,12 +127,28 @@ fn survey_patches(thread: u32) {
     }
 }
 
+// Absolute flux that the patch that shoots has not yet spread.
+fn in_flight() -> f32 {
+    var weight = 0.0;
+    for (var view = state.view + 1u; view < state.views; view++) {
+        weight += views[patches[state.shooter].first_view + view].weight;
+    }
+    var flux = 0.0;
+    if weight > 0.0 {
+        for (var channel = 0u; channel < params.channels; channel++) {
+            flux += abs(light[channel_at(channel)]);
+        }
+    }
+    return flux * weight;
+}
+
 @compute @workgroup_size(256)
 fn survey(@builtin(local_invocation_index) thread: u32) {
     survey_patches(thread);
     if thread == 0u {
-        state.unshot = total[0];
-        state.largest = max(best[0], 0.0);
+        let flux = in_flight();
+        state.unshot = total[0] + flux;
+        state.largest = max(max(best[0], flux), 0.0);
     }
 }
 
@@ -129,7 +156,7 @@ fn survey(@builtin(local_invocation_index) thread: u32) {
 fn choose(@builtin(local_invocation_index) thread: u32) {
     survey_patches(thread);
     let goes_on = state.view + 1u < state.views;
-    let may_begin = best[0] > 0.0 && state.holds == 0u;
+    let may_begin = best[0] > 0.0 && state.shots < state.most_shots;
     // All have read the state before it is written.
     storageBarrier();
     workgroupBarrier();
@@ -156,16 +183,23 @@ fn choose(@builtin(local_invocation_index) thread: u32) {
         let view = select(0u, state.view + 1u, goes_on);
         state.shooter = shooter;
         state.view = view;
-        state.unshot = total[0];
-        state.largest = max(best[0], 0.0);
         if !goes_on {
             state.views = select(0u, patch_of.views, may_begin);
             state.shots += select(0u, 1u, may_begin);
         }
-        let shot_view = views[patch_of.first_view + view];
-        state.weight = shot_view.weight;
-        viewpoints[0] = shot_view.viewpoint;
+        let stand = views[patch_of.first_view + view];
+        state.weight = stand.weight;
+        let bitangent = cross(patch_of.normal, stand.tangent);
+        viewpoints[0] = Viewpoint(
+            stand.origin, stand.least_near, stand.tangent, params.farthest, bitangent, 0u, patch_of.normal, 0u,
+        );
     }
+}
+
+// What arrived in a bin of a channel's sums.
+fn arrived(channel: u32, bin: u32) -> f32 {
+    let band = select(0u, channel % 3u, params.bands == 3u);
+    return f32(sums[band * (params.elements + 2u) + bin]);
 }
 
 // Adds to a sum and to what it has lost to rounding (Kahan 1965).
@@ -184,18 +218,18 @@ fn spread(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     if element < params.channels && state.views > 0u {
         let at = channel_at(element);
         let flux = light[at] * scale;
-        add(at + 1u, flux * f32(sums[params.elements]));
-        add(at + 3u, flux * f32(sums[params.elements + 1u]));
+        add(at + 1u, flux * arrived(element, params.elements));
+        add(at + 3u, flux * arrived(element, params.elements + 1u));
     }
     if element >= params.elements || state.views == 0u {
         return;
     }
-    let share = f32(sums[element]) * scale * elements[element].inverse_area;
-    if share == 0.0 {
-        return;
-    }
+    let share = scale * elements[element].inverse_area;
     for (var channel = 0u; channel < params.channels; channel++) {
-        let gain = share * light[channel_at(channel)];
+        let gain = arrived(channel, element) * share * light[channel_at(channel)];
+        if gain == 0.0 {
+            continue;
+        }
         light[channel * params.elements + element] += gain;
         light[unshot_at(channel, element)] += gain * elements[element].reflectance[channel % 3u];
     }

@@ -17,13 +17,12 @@ struct View {
     flags: u32,
     // Largest diffuse reflectance.
     max_reflectance: f32,
-    // MINIFY_* and MAGNIFY_* of texture_filter.wgsl.
-    minify: u32,
-    magnify: u32,
     // How much longer than wide a footprint may be.
     max_anisotropy: f32,
     // Radius of the Gaussian around a pixel's middle.
     ewa_radius: f32,
+    padding_0: u32,
+    padding_1: u32,
 }
 
 // The element's own light instead of that between vertices.
@@ -37,12 +36,11 @@ struct Slot {
     matrix: vec4<f32>,
     // and what is added.
     offset: vec2<f32>,
-    // SLOT_* bits, 0 without a texture.
+    // SLOT_* bits.
     flags: u32,
     padding: u32,
 }
 
-const SLOT_PRESENT: u32 = 1u;
 // The second set of coordinates,
 const SLOT_SECOND: u32 = 2u;
 // or a set that the mesh does not have.
@@ -76,8 +74,6 @@ struct Material {
 
 const MATERIAL_MASK: u32 = 1u;
 const MATERIAL_BLEND: u32 = 2u;
-const MATERIAL_NORMALS: u32 = 4u;
-const MATERIAL_HEIGHTS: u32 = 8u;
 
 const SLOT_BASE: u32 = 0u;
 const SLOT_METALLIC: u32 = 1u;

@@ -13,6 +13,9 @@
 @group(1) @binding(10) var transmission_sampler: sampler;
 @group(1) @binding(11) var relief_sampler: sampler;
 
+// Which slots of the material have textures, a bit for each: what is not there costs nothing.
+override SLOTS: u32 = 63u;
+
 // Texture coordinates of both sets, and how they change to the neighbours of a pixel.
 struct Footprint {
     at: vec4<f32>,
@@ -41,10 +44,11 @@ fn coordinates(slot: Slot, footprint: Footprint) -> vec2<f32> {
     return turned(slot, of_set(slot, footprint.at)) + slot.offset;
 }
 
+fn has(slot: u32) -> bool {
+    return (SLOTS & (1u << slot)) != 0u;
+}
+
 fn read_slot(picture: texture_2d<f32>, how: sampler, slot: Slot, footprint: Footprint) -> vec4<f32> {
-    if (slot.flags & SLOT_PRESENT) == 0u {
-        return vec4(1.0);
-    }
     let ddx = turned(slot, of_set(slot, footprint.dx));
     let ddy = turned(slot, of_set(slot, footprint.dy));
     return filtered(picture, how, slot, coordinates(slot, footprint), ddx, ddy);
@@ -65,12 +69,25 @@ fn base_texel(material: Material, footprint: Footprint) -> vec4<f32> {
 }
 
 fn texels_at(material: Material, footprint: Footprint) -> Texels {
-    var texels: Texels;
-    texels.base = base_texel(material, footprint);
-    texels.metallic = read_slot(metallic_texture, metallic_sampler, material.slots[SLOT_METALLIC], footprint).b;
-    texels.roughness = read_slot(roughness_texture, roughness_sampler, material.slots[SLOT_ROUGHNESS], footprint).g;
-    texels.emission = read_slot(emission_texture, emission_sampler, material.slots[SLOT_EMISSION], footprint).rgb;
-    let passing = read_slot(transmission_texture, transmission_sampler, material.slots[SLOT_TRANSMISSION], footprint);
-    texels.transmission = passing.r;
+    var texels = NO_TEXELS;
+    if has(SLOT_BASE) {
+        texels.base = base_texel(material, footprint);
+    }
+    if has(SLOT_METALLIC) {
+        let slot = material.slots[SLOT_METALLIC];
+        texels.metallic = read_slot(metallic_texture, metallic_sampler, slot, footprint).b;
+    }
+    if has(SLOT_ROUGHNESS) {
+        let slot = material.slots[SLOT_ROUGHNESS];
+        texels.roughness = read_slot(roughness_texture, roughness_sampler, slot, footprint).g;
+    }
+    if has(SLOT_EMISSION) {
+        let slot = material.slots[SLOT_EMISSION];
+        texels.emission = read_slot(emission_texture, emission_sampler, slot, footprint).rgb;
+    }
+    if has(SLOT_TRANSMISSION) {
+        let slot = material.slots[SLOT_TRANSMISSION];
+        texels.transmission = read_slot(transmission_texture, transmission_sampler, slot, footprint).r;
+    }
     return texels;
 }

@@ -1,8 +1,11 @@
 // How textures are read; twins of raster/src/texture: footprints (lod.rs), addressing (wrap.rs), bicubic magnification
 // (cubic.rs), elliptical weighted averages (ewa.rs). Point, bilinear, trilinear and anisotropic filters are the sampler's.
 
-// By the sampler, which was made for the filter that is wanted.
-const MINIFY_EWA: u32 = 1u;
+// Whether EWA is read from afar; else it is the sampler's filter.
+override EWA: bool = true;
+// MAGNIFY_*, what is read close up.
+override MAGNIFY: u32 = 0u;
+
 const MAGNIFY_SAMPLER: u32 = 0u;
 const MAGNIFY_CATMULL_ROM: u32 = 1u;
 const MAGNIFY_B_SPLINE: u32 = 2u;
@@ -237,10 +240,10 @@ fn filtered(picture: texture_2d<f32>, how: sampler, slot: Slot, uv: vec2<f32>, d
     let axes = axes_of(dx, dy);
     let is_close = dot(axes.along, axes.along) <= 1.0;
     let is_smooth = (slot.flags & SLOT_BLOCKS) == 0u;
-    if is_close && is_smooth && view.magnify != MAGNIFY_SAMPLER {
-        return bicubic(picture, uv, rules, view.magnify);
+    if MAGNIFY != MAGNIFY_SAMPLER && is_close && is_smooth {
+        return bicubic(picture, uv, rules, MAGNIFY);
     }
-    if !is_close && view.minify == MINIFY_EWA {
+    if EWA && !is_close {
         return elliptical(picture, uv, rules, axes);
     }
     return textureSampleGrad(picture, how, uv, axes.along / size, axes.across / size);

@@ -1,6 +1,7 @@
 //! What the tests share: reference data, and the folder of real files that is not part of the project.
 
 pub mod enclosures;
+pub mod gpu;
 pub mod shapes;
 pub mod spheres;
 pub mod surfaces;

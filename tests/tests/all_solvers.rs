@@ -85,6 +85,46 @@ fn all_come_to_the_same_light_and_say_who_they_were() {
     }
 }
 
+/// Every solver with a GPU's form factors comes to the light of the CPU's hemicubes, but for cells at outlines.
+#[cfg(feature = "gpu")]
+#[test]
+fn all_come_to_the_same_light_on_a_gpu() {
+    use hemicube::gpu::Gpu;
+    use hemicube::radiosity::solve_on;
+    let Some(context) = hemicube_tests::gpu::context() else {
+        return;
+    };
+    let backend = Gpu::new(context).with_required(true);
+    let with_hemicubes = |solver| SolveOptions {
+        form_factors: FormFactorKind::Hemicube,
+        ..small(solver)
+    };
+    let truth = solved(&with_hemicubes(SolverKind::SortedShooting));
+    for kind in SolverKind::ALL {
+        let options = with_hemicubes(kind);
+        let solution = solve_on(scene("cornell"), &options, &backend, NEVER, |_, _| true)
+            .expect("it can be solved");
+        let who = format!("{} on the GPU", kind.name());
+        for band in 0..3 {
+            let unshot = solution.unshot_flux(band);
+            let error = solution.total_balance(band).relative_error(unshot);
+            // Where the light stays on the device, its sums are of f32.
+            assert!(error < 1e-4, "{who}, band {band}: {error:.1e} is lost");
+        }
+        assert!(solution.unshot_fraction() <= 1e-6, "{who}: finished");
+        let error = difference(&solution, &truth);
+        println!("{who}: an element is off by {error:.1e}");
+        // Shooting on the device counts small receivers, which others integrate.
+        let bound = match kind {
+            SolverKind::SortedShooting | SolverKind::AmbientShooting => 2e-2,
+            _ => 5e-3,
+        };
+        assert!(error < bound, "{who}: an element is off by {error:.1e}");
+        let from = &solution.provenance;
+        assert_eq!(from.form_factors, "gpu", "{who}: the way's name");
+    }
+}
+
 #[test]
 fn any_goes_on_where_another_stopped() {
     let truth = solved(&small(SolverKind::SortedShooting));

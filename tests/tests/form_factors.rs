@@ -7,6 +7,7 @@ use hemicube::radiosity::{
     FormFactors, NodeId, PatchMesh, PatchOptions, RayCast, RayCastOptions, Row,
 };
 use hemicube::scene::{Scene, builtin};
+use hemicube_tests::gpu;
 use std::sync::Arc;
 
 /// Every way to a row, with the standard error or bias that it may have on a factor near 0.2.
@@ -19,23 +20,38 @@ fn methods(mesh: &Arc<PatchMesh>) -> Vec<(&'static str, f64, Box<dyn FormFactors
         };
         Box::new(RayCast::new(mesh.clone(), options)) as Box<dyn FormFactors>
     };
-    let hemicube = HemicubeOptions::default().with_resolution(256);
-    let hemicube = Hemicube::new(mesh.clone(), hemicube).expect("an even resolution");
+    let options = HemicubeOptions::default().with_resolution(256);
+    let hemicube = Hemicube::new(mesh.clone(), options).expect("an even resolution");
     let analytic =
         Analytic::new(mesh.clone(), AnalyticOptions::default()).expect("an error in range");
-    vec![
+    let rays = RayCastOptions {
+        rays: 65_536,
+        strategy: Strategy::Shots,
+        seed: 0,
+    };
+    let shots_error = 4.0 * (0.2_f64 * 0.8 / 65_536.0).sqrt();
+    let cells_error = 8.0 / 256.0;
+    let mut all = vec![
         // Nothing hides anything, so pairs are as exact as their quadrature.
         ("pairs", 2e-5, raycast(Strategy::Pairs, 256)),
         ("analytic", 1e-6, Box::new(analytic)),
         // Cells at an outline are all right or all wrong: at most 8 outlines' worth of cells of 1/256.
-        ("hemicube", 8.0 / 256.0, Box::new(hemicube)),
-        // 65,536 directions of a low-discrepancy sequence: the bound is four standard errors of random ones.
         (
-            "shots",
-            4.0 * (0.2_f64 * 0.8 / 65_536.0).sqrt(),
-            raycast(Strategy::Shots, 65_536),
+            "hemicube",
+            cells_error,
+            Box::new(hemicube) as Box<dyn FormFactors>,
         ),
-    ]
+        // 65,536 directions of a low-discrepancy sequence: the bound is four standard errors of random ones.
+        ("shots", shots_error, raycast(Strategy::Shots, 65_536)),
+    ];
+    // Twins of the last two, with their errors.
+    let twins = gpu::ways(mesh, options, rays).into_iter();
+    all.extend(
+        twins
+            .zip([cells_error, shots_error])
+            .map(|((name, factors), error)| (name, error, factors)),
+    );
+    all
 }
 
 fn mesh_of(scene: Scene, options: PatchOptions) -> Arc<PatchMesh> {

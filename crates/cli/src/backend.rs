@@ -1,23 +1,31 @@
 //! What makes the form factors: the CPU, or a GPU where the program was built for one.
 
-use crate::args::MeshArgs;
+use crate::args::GpuArgs;
 use crate::failure::Failure;
 use hemicube::radiosity::backend::{Backend, Cpu};
 use hemicube::radiosity::form_factor::FormFactors;
 use hemicube::radiosity::{PatchMesh, RadiosityError, SolveOptions};
 use std::sync::Arc;
 
-/// The backend that the options ask for.
-pub fn chosen(args: &MeshArgs, uses_gpu: bool, quiet: bool) -> Result<Box<dyn Backend>, Failure> {
+/// The option by which solvers choose their form factors.
+pub const FORM_FACTORS: &str = "--form-factors";
+
+/// The backend that the options ask for; `chosen_by` is the option that chooses the way to form factors.
+pub fn chosen(
+    args: &GpuArgs,
+    uses_gpu: bool,
+    chosen_by: &str,
+    quiet: bool,
+) -> Result<Box<dyn Backend>, Failure> {
     if !uses_gpu {
-        if let Some(option) = args.gpu_given() {
+        if let Some(option) = args.given() {
             return Err(Failure::Usage(format!(
-                "{option} is for --form-factors gpu; leave it out, or add that"
+                "{option} is for {chosen_by} gpu or gpu-raycast; leave it out, or add that"
             )));
         }
         return Ok(Box::new(Cpu));
     }
-    gpu(args, quiet)
+    gpu(args, chosen_by, quiet)
 }
 
 /// The form factors of a backend with the CPU's solvers, which bring every step's light along.
@@ -35,15 +43,19 @@ impl Backend for FactorsOf<'_> {
     ) -> Result<Box<dyn FormFactors>, RadiosityError> {
         self.0.form_factors(mesh, options)
     }
+
+    fn verdict(&self) -> Result<(), RadiosityError> {
+        self.0.verdict()
+    }
 }
 
 #[cfg(feature = "gpu")]
-fn gpu(args: &MeshArgs, quiet: bool) -> Result<Box<dyn Backend>, Failure> {
+fn gpu(args: &GpuArgs, _: &str, quiet: bool) -> Result<Box<dyn Backend>, Failure> {
     use hemicube::gpu::{Context, Gpu};
     let tell = move |why: &str| {
         if !quiet {
             let why = crate::failure::one_line(why);
-            eprintln!("hemicube: note: {why}; going on with the CPU's hemicubes");
+            eprintln!("hemicube: note: {why}; going on with the CPU");
         }
     };
     match Context::headless(args.adapter.as_deref()) {
@@ -62,8 +74,8 @@ fn gpu(args: &MeshArgs, quiet: bool) -> Result<Box<dyn Backend>, Failure> {
 }
 
 #[cfg(not(feature = "gpu"))]
-fn gpu(_: &MeshArgs, _: bool) -> Result<Box<dyn Backend>, Failure> {
-    Err(Failure::Usage(format!("--form-factors gpu: {NOT_BUILT}")))
+fn gpu(_: &GpuArgs, chosen_by: &str, _: bool) -> Result<Box<dyn Backend>, Failure> {
+    Err(Failure::Usage(format!("{chosen_by} gpu: {NOT_BUILT}")))
 }
 
 /// What to say where the program was built without the feature.

@@ -10,6 +10,8 @@ mod input;
 mod interrupt;
 mod output;
 mod picture;
+#[cfg(feature = "gpu")]
+mod picture_on_gpu;
 mod progress;
 mod report;
 mod solving;

@@ -1,6 +1,6 @@
 //! Pictures of a solution.
 
-use crate::args::{GlobalArgs, PictureArgs, ProjectionKind};
+use crate::args::{GlobalArgs, GpuArgs, PictureArgs, ProjectionKind};
 use crate::failure::Failure;
 use crate::input::read;
 use crate::output::Target;
@@ -36,6 +36,11 @@ pub fn check(scene: &Scene, args: &PictureArgs) -> Result<(), Failure> {
         scene.camera(name)?;
     }
     reflections(args)?.check(scene)?;
+    #[cfg(not(feature = "gpu"))]
+    if args.uses_gpu() {
+        let not_built = crate::backend::NOT_BUILT;
+        return Err(Failure::Usage(format!("--draw-on gpu: {not_built}")));
+    }
     if let Some(path) = &args.environment_file
         && !path.is_file()
     {
@@ -103,8 +108,19 @@ impl<'a> View<'a> {
         &self,
         solution: &Solution,
         target: &Target,
+        gpu: &GpuArgs,
         global: GlobalArgs,
     ) -> Result<usize, Failure> {
+        if let Some((image, mirrors)) = self.on_gpu(solution, target, gpu, global)? {
+            let mut file = Cursor::new(Vec::new());
+            if target.ends_in("exr") {
+                image.write_exr(&mut file)?;
+            } else {
+                image.write_png(&mut file)?;
+            }
+            target.write(&file.into_inner())?;
+            return Ok(mirrors);
+        }
         let bar = Bar::new("drawing", global.quiet);
         let progress = |share| bar.show(share, String::new);
         let renderer = self.renderer(solution)?.with_progress(&progress);
@@ -119,6 +135,53 @@ impl<'a> View<'a> {
         }
         target.write(&file.into_inner())?;
         Ok(renderer.mirror_count())
+    }
+
+    /// The picture and its number of mirrors from a GPU, if one is asked for and can do it.
+    #[cfg(feature = "gpu")]
+    fn on_gpu(
+        &self,
+        solution: &Solution,
+        target: &Target,
+        gpu: &GpuArgs,
+        global: GlobalArgs,
+    ) -> Result<Option<(Image<Rgb>, usize)>, Failure> {
+        use crate::picture_on_gpu::{Wanted, draw};
+        if !self.args.uses_gpu() {
+            return Ok(None);
+        }
+        let wanted = Wanted {
+            camera: &self.camera,
+            options: &self.options,
+            surroundings: self.surroundings.as_ref(),
+            reflections: &reflections(self.args)?,
+            exposure: self.args.exposure.unwrap_or_default(),
+            tone_map: self.args.tonemap.unwrap_or_default(),
+            is_linear: target.ends_in("exr"),
+        };
+        match draw(solution, gpu.adapter.as_deref(), &wanted) {
+            Ok(drawn) => Ok(Some(drawn)),
+            Err(error) if gpu.require_gpu => Err(Failure::Failed(error.to_string())),
+            Err(error) => {
+                if !global.quiet {
+                    let why = crate::failure::one_line(&error.to_string());
+                    eprintln!("hemicube: note: {why}; drawing with the CPU");
+                }
+                Ok(None)
+            }
+        }
+    }
+
+    /// None: the program was built without.
+    #[cfg(not(feature = "gpu"))]
+    fn on_gpu(
+        &self,
+        _: &Solution,
+        _: &Target,
+        _: &GpuArgs,
+        _: GlobalArgs,
+    ) -> Result<Option<(Image<Rgb>, usize)>, Failure> {
+        Ok(None)
     }
 
     /// Everything that the options ask of a renderer.

@@ -204,6 +204,9 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
 pub fn factors(name: &str, rays: u32, resolution: u32) -> String {
     use FormFactorKind as Kind;
     let name = crate::failure::one_line(name);
+    if name.starts_with("gpu-raycast") {
+        return format!("{name} with {rays} rays");
+    }
     if name.starts_with("gpu") {
         return format!("{name} with {resolution} cells an edge");
     }

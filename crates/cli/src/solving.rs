@@ -1,7 +1,7 @@
 //! Solving under a progress bar, a clock and Ctrl-C.
 
 use crate::args::{MeshArgs, SolveArgs};
-use crate::backend::{FactorsOf, chosen};
+use crate::backend::{FORM_FACTORS, FactorsOf, chosen};
 use crate::failure::Failure;
 use crate::history::History;
 use crate::interrupt;
@@ -73,7 +73,7 @@ impl Watch {
 
     /// Solves a scene from nothing.
     pub fn solve(&self, scene: Scene, options: SolveOptions) -> Result<Solved, Failure> {
-        let backend = chosen(&self.mesh, self.mesh.uses_gpu(None), self.quiet)?;
+        let backend = self.backend(self.mesh.uses_gpu(None))?;
         self.work(0, options, |stop, go_on| {
             let scene = Arc::new(scene);
             radiosity::solve_on(scene, &options, &*self.stepped(&*backend), stop, go_on)
@@ -84,10 +84,14 @@ impl Watch {
     pub fn resume(&self, solution: Solution, options: SolveOptions) -> Result<Solved, Failure> {
         let steps = solution.provenance.steps;
         let uses_gpu = self.mesh.uses_gpu(Some(&solution.provenance));
-        let backend = chosen(&self.mesh, uses_gpu, self.quiet)?;
+        let backend = self.backend(uses_gpu)?;
         self.work(steps, options, |stop, go_on| {
             radiosity::resume_on(solution, &options, &*self.stepped(&*backend), stop, go_on)
         })
+    }
+
+    fn backend(&self, uses_gpu: bool) -> Result<Box<dyn Backend>, Failure> {
+        chosen(&self.mesh.gpu, uses_gpu, FORM_FACTORS, self.quiet)
     }
 
     /// A backend whose solver brings along every step's light if the way to the solution is kept.

@@ -3,26 +3,30 @@
 use crate::context::Context;
 use crate::error::GpuError;
 use crate::hemicube::GpuHemicube;
+use crate::raycast::GpuRayCast;
 use crate::shooting::GpuShooting;
 use core::fmt;
 use hemicube_radiosity::backend::{Backend, Cpu, Shooter};
-use hemicube_radiosity::form_factor::FormFactors;
+use hemicube_radiosity::form_factor::{FormFactorKind, FormFactors};
 use hemicube_radiosity::patch::PatchMesh;
 use hemicube_radiosity::solve::Order;
 use hemicube_radiosity::{RadiosityError, Solution, SolveOptions};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Hears once why the CPU goes on.
 pub(crate) type Report = Arc<dyn Fn(&GpuError) + Send + Sync>;
 
-/// Hemicubes drawn on the device for every solver; sorted shooting stays on it altogether.
+/// Hemicubes drawn on the device for every solver, or rays cast there if [`SolveOptions::form_factors`] says rays; with
+/// hemicubes, sorted shooting stays on it altogether.
 ///
-/// Where the device cannot do it, or is lost, the CPU's hemicubes take over.
+/// Where the device cannot do it, or is lost, the CPU takes over with the same way to form factors.
 #[derive(Clone)]
 pub struct Gpu {
     context: Arc<Context>,
     is_required: bool,
     report: Report,
+    /// The first thing that went wrong while it worked.
+    failure: Arc<OnceLock<GpuError>>,
 }
 
 impl fmt::Debug for Gpu {
@@ -41,10 +45,12 @@ impl Gpu {
             context,
             is_required: false,
             report: Arc::new(|_| {}),
+            failure: Arc::new(OnceLock::new()),
         }
     }
 
-    /// Whether a scene that does not fit the device is an error. Default value: false, the CPU takes it.
+    /// Whether a scene that does not fit the device, or the loss of the device, is an error. Default value: false, the
+    /// CPU takes over.
     pub fn with_required(self, is_required: bool) -> Self {
         Self {
             is_required,
@@ -68,11 +74,36 @@ impl Gpu {
         (self.report)(error);
         Ok(())
     }
+
+    /// Remembers what goes wrong while the device works, and reports it unless it ends the work.
+    fn while_at_work(&self) -> Report {
+        let Self {
+            is_required,
+            report,
+            failure,
+            ..
+        } = self.clone();
+        Arc::new(move |error| {
+            if failure.set(error.clone()).is_ok() && !is_required {
+                report(error);
+            }
+        })
+    }
+}
+
+/// Whether form factors come from rays; from hemicubes otherwise.
+fn casts_rays(options: &SolveOptions) -> bool {
+    options.form_factors == FormFactorKind::RayCast
 }
 
 impl Backend for Gpu {
-    fn name(&self, _: &SolveOptions) -> String {
-        String::from("gpu")
+    fn name(&self, options: &SolveOptions) -> String {
+        let name = if casts_rays(options) {
+            "gpu-raycast"
+        } else {
+            "gpu"
+        };
+        name.to_owned()
     }
 
     fn form_factors(
@@ -80,8 +111,16 @@ impl Backend for Gpu {
         mesh: Arc<PatchMesh>,
         options: &SolveOptions,
     ) -> Result<Box<dyn FormFactors>, RadiosityError> {
-        match GpuHemicube::new(self.context.clone(), mesh.clone(), options.hemicube) {
-            Ok(factors) => Ok(Box::new(factors.with_report(self.report.clone()))),
+        let (context, report) = (self.context.clone(), self.while_at_work());
+        let made: Result<Box<dyn FormFactors>, GpuError> = if casts_rays(options) {
+            GpuRayCast::new(context, mesh.clone(), options.form_factor_options().raycast)
+                .map(|factors| Box::new(factors.with_report(report)) as _)
+        } else {
+            GpuHemicube::new(context, mesh.clone(), options.hemicube)
+                .map(|factors| Box::new(factors.with_report(report)) as _)
+        };
+        match made {
+            Ok(factors) => Ok(factors),
             Err(error) => {
                 self.give_up(&error)?;
                 Cpu.form_factors(mesh, options)
@@ -95,22 +134,27 @@ impl Backend for Gpu {
         options: &SolveOptions,
         order: Order,
     ) -> Result<Shooter, RadiosityError> {
-        let has_panes = solution
-            .mesh()
-            .transmittance()
-            .iter()
-            .any(|t| !t.is_black());
-        if order != Order::Sorted || has_panes {
+        if order != Order::Sorted || casts_rays(options) {
             return Ok(Shooter::None(Box::new(solution)));
         }
+        let most = options.max_steps;
         match GpuShooting::new(self.context.clone(), solution.clone(), options.hemicube) {
             Ok(solver) => Ok(Shooter::Own(Box::new(
-                solver.with_report(self.report.clone()),
+                solver
+                    .with_report(self.while_at_work())
+                    .with_most_shots(most),
             ))),
             Err(error) => {
                 self.give_up(&error)?;
                 Ok(Shooter::None(Box::new(solution)))
             }
+        }
+    }
+
+    fn verdict(&self) -> Result<(), RadiosityError> {
+        match self.failure.get() {
+            Some(failure) if self.is_required => Err(RadiosityError::Option(failure.to_string())),
+            _ => Ok(()),
         }
     }
 }

@@ -1,27 +1,41 @@
 //! Buffers and bindings in few words.
 
+use crate::context::Context;
+use crate::error::GpuError;
 use bytemuck::Pod;
 use hemicube_shaders::Shader;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
     BindGroup, BindGroupLayout, BindGroupLayoutEntry, BindingResource, BindingType, Buffer,
     BufferBindingType, BufferUsages, ComputePipeline, Device, ShaderStages,
 };
 
-/// A buffer that shaders read, filled now.
+/// A buffer that shaders read, filled now; of a lost device it is empty, and of no use.
 pub fn filled(device: &Device, label: &str, data: &[impl Pod], usage: BufferUsages) -> Buffer {
-    device.create_buffer_init(&BufferInitDescriptor {
+    let bytes: &[u8] = bytemuck::cast_slice(data);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        contents: bytemuck::cast_slice(data),
+        size: buffer_size(bytes.len() as u64),
         usage,
-    })
+        mapped_at_creation: true,
+    });
+    if let Ok(mut mapped) = buffer.get_mapped_range_mut(..) {
+        mapped.slice(..bytes.len()).copy_from_slice(bytes);
+        drop(mapped);
+        buffer.unmap();
+    }
+    buffer
 }
 
-/// A buffer of so many bytes; at least 16, because empty ones cannot be bound.
+/// Bytes of a buffer: at least 16, because empty ones cannot be bound, and whole words.
+fn buffer_size(bytes: u64) -> u64 {
+    bytes.max(16).next_multiple_of(4)
+}
+
+/// A buffer of so many bytes.
 pub fn empty(device: &Device, label: &str, bytes: u64, usage: BufferUsages) -> Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        size: bytes.max(16).next_multiple_of(4),
+        size: buffer_size(bytes),
         usage,
         mapped_at_creation: false,
     })
@@ -130,4 +144,31 @@ pub fn groups(invocations: u32, size: u32) -> (u32, u32) {
     let groups = invocations.div_ceil(size).max(1);
     let z = groups.div_ceil(MOST);
     (groups.div_ceil(z), z)
+}
+
+/// Waits for the device and reads the words of a mappable buffer.
+pub fn read(context: &Context, buffer: &Buffer, bytes: u64) -> Result<Vec<u32>, GpuError> {
+    let (send, receive) = std::sync::mpsc::channel();
+    buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
+        // The receiver is there until the result has come or the device is lost.
+        let _ = send.send(result);
+    });
+    context.wait()?;
+    let lost = |why: String| GpuError::Lost {
+        adapter: context.name.clone(),
+        why,
+    };
+    match receive.try_recv() {
+        Ok(Ok(())) => {}
+        Ok(Err(e)) => return Err(lost(e.to_string())),
+        Err(_) => return Err(lost(String::from("nothing came back"))),
+    }
+    let words = {
+        let view = buffer
+            .get_mapped_range(0..bytes)
+            .map_err(|e| lost(e.to_string()))?;
+        bytemuck::pod_collect_to_vec(&view)
+    };
+    buffer.unmap();
+    Ok(words)
 }

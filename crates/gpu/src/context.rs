@@ -36,8 +36,9 @@ impl fmt::Display for AdapterReport {
 }
 
 /// Features that are used where they are there, with their names in reports.
-const EXTRAS: [(Features, &str); 3] = [
+const EXTRAS: [(Features, &str); 4] = [
     (Features::TIMESTAMP_QUERY, "timestamps"),
+    (Features::PIPELINE_STATISTICS_QUERY, "statistics"),
     (Features::SUBGROUP, "subgroups"),
     (Features::EXPERIMENTAL_RAY_QUERY, "ray queries"),
 ];
@@ -142,6 +143,18 @@ impl Context {
     /// # Errors
     /// No adapter fits, or its driver gives no device.
     pub fn headless(wanted: Option<&str>) -> Result<Self, GpuError> {
+        Self::headless_within(wanted, |limits| limits)
+    }
+
+    /// As [`Self::headless`], with the limits that `lower` makes of the adapter's: to see how a scene fares on a smaller
+    /// one.
+    ///
+    /// # Errors
+    /// No adapter fits, or its driver gives no device, which is so if limits were raised.
+    pub fn headless_within(
+        wanted: Option<&str>,
+        lower: impl FnOnce(Limits) -> Limits,
+    ) -> Result<Self, GpuError> {
         let variable = std::env::var(ADAPTER_VARIABLE)
             .ok()
             .filter(|name| !name.is_empty());
@@ -149,7 +162,8 @@ impl Context {
         let instance = instance();
         let mut all = adapters_of(&instance);
         all.sort_by_key(rank);
-        Self::of_adapter(&choose(&all, wanted.as_deref())?)
+        let adapter = choose(&all, wanted.as_deref())?;
+        Self::open(&adapter, lower(adapter.limits()))
     }
 
     /// A device of an adapter that the caller has chosen, for example one that can draw into a window.
@@ -157,13 +171,20 @@ impl Context {
     /// # Errors
     /// The driver gives no device.
     pub fn of_adapter(adapter: &Adapter) -> Result<Self, GpuError> {
+        // All that the adapter has: scenes are as large as they are.
+        Self::open(adapter, adapter.limits())
+    }
+
+    fn open(adapter: &Adapter, required_limits: Limits) -> Result<Self, GpuError> {
         let name = adapter.get_info().name;
-        let optional = EXTRAS[0].0 | EXTRAS[1].0;
+        // Ray queries are an experiment that has to be asked for in unsafe code.
+        let optional = EXTRAS[..3]
+            .iter()
+            .fold(Features::empty(), |all, (feature, _)| all | *feature);
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("hemicube"),
             required_features: adapter.features() & optional,
-            // All that the adapter has: scenes are as large as they are.
-            required_limits: adapter.limits(),
+            required_limits,
             ..Default::default()
         };
         let (device, queue) =
@@ -214,6 +235,46 @@ impl Context {
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .clone()
+    }
+
+    /// Makes things on the device; if its memory does not hold them, that is the caller's error alone, and the device
+    /// goes on with others.
+    ///
+    /// # Errors
+    /// Those of `make`; the memory ran out; the device was lost.
+    pub fn guard<T>(&self, make: impl FnOnce() -> Result<T, GpuError>) -> Result<T, GpuError> {
+        self.check()?;
+        // What is made of a buffer that there is no memory for is invalid, which is no news then.
+        let invalid = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let made = make();
+        let (memory, invalid) = (
+            pollster::block_on(memory.pop()),
+            pollster::block_on(invalid.pop()),
+        );
+        if let Some(error) = memory {
+            return Err(GpuError::OutOfMemory {
+                adapter: self.name.clone(),
+                why: one_line(&error),
+            });
+        }
+        if let Some(error) = invalid {
+            self.wait()?;
+            panic!("GPU calls are valid: {}", one_line(&error));
+        }
+        let made = made?;
+        self.wait()?;
+        Ok(made)
+    }
+
+    /// Asks whether the device still works; before work is prepared for it, which would be in vain.
+    ///
+    /// # Errors
+    /// The device was lost or its memory ran out.
+    pub fn check(&self) -> Result<(), GpuError> {
+        // What was lost is told while polling.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        self.failure().map_or(Ok(()), Err)
     }
 
     /// Waits until everything that was submitted is done.
@@ -296,16 +357,12 @@ fn watch(device: &Device, name: &str, failure: &Arc<Mutex<Option<GpuError>>>) {
     };
     let (lost, adapter) = (failure.clone(), name.to_owned());
     device.set_device_lost_callback(move |reason, why| {
-        // A device that is dropped is not missed.
-        if reason != wgpu::DeviceLostReason::Destroyed {
-            keep(
-                &lost,
-                GpuError::Lost {
-                    adapter: adapter.clone(),
-                    why: one_line(&why),
-                },
-            );
-        }
+        let why = match reason {
+            wgpu::DeviceLostReason::Destroyed => String::from("it was destroyed"),
+            wgpu::DeviceLostReason::Unknown => one_line(&why),
+        };
+        let adapter = adapter.clone();
+        keep(&lost, GpuError::Lost { adapter, why });
     });
     let (uncaptured, adapter) = (failure.clone(), name.to_owned());
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
@@ -314,7 +371,11 @@ fn watch(device: &Device, name: &str, failure: &Arc<Mutex<Option<GpuError>>>) {
             wgpu::Error::OutOfMemory { .. } => {
                 keep(&uncaptured, GpuError::OutOfMemory { adapter, why });
             }
-            wgpu::Error::Validation { .. } => panic!("GPU calls are valid: {why}"),
+            // After a failure everything that is made is invalid.
+            wgpu::Error::Validation { .. } => {
+                let failure = uncaptured.lock().unwrap_or_else(PoisonError::into_inner);
+                assert!(failure.is_some(), "GPU calls are valid: {why}");
+            }
             wgpu::Error::Internal { .. } => keep(&uncaptured, GpuError::Lost { adapter, why }),
         }
     }));

@@ -4,7 +4,7 @@
 //! [`Hemicube`](hemicube_radiosity::form_factor::hemicube::Hemicube): the same hemicubes, drawn and summed on the device.
 //!
 //! # Current state
-//! Panes are peeled on the CPU. Nothing here panics because of a device: what it cannot do is a [`GpuError`], and form
+//! Nothing here panics because of a device: what it cannot do is a [`GpuError`], and form
 //! factors go on with the CPU when it is lost.
 #![forbid(unsafe_code)]
 
@@ -20,6 +20,6 @@ mod shooting;
 pub use backend::Gpu;
 pub use context::{ADAPTER_VARIABLE, AdapterReport, Context, adapters};
 pub use error::GpuError;
-pub use hemicube::GpuHemicube;
+pub use hemicube::{DrawCounts, GpuHemicube, ShotCounts, StageSeconds};
 pub use raycast::GpuRayCast;
 pub use shooting::GpuShooting;

@@ -3,10 +3,12 @@
 //! No extension for ray queries is needed: the shader walks the eight-wide compressed tree that `obvhs` builds over the
 //! elements.
 
-use crate::buffer::{bind, compute, empty, filled, layout, module, storage, uniform};
+use crate::backend::Report;
+use crate::buffer::{bind, compute, empty, filled, layout, module, read, storage, uniform};
 use crate::context::Context;
 use crate::error::GpuError;
-use crate::hemicube::{compute_pass, count, read};
+use crate::hemicube::{compute_pass, count};
+use core::fmt;
 use glam::{Vec3, Vec3A};
 use hemicube_radiosity::form_factor::{FormFactors, RayCast, RayCastOptions, Row};
 use hemicube_radiosity::patch::face::Side;
@@ -28,7 +30,6 @@ const DISPATCH: u32 = 1 << 18;
 ///
 /// Always shots, never pairs. When the device is lost or its memory runs out, rows go on with the CPU's rays;
 /// [`GpuRayCast::failure`] says so. Meshes with panes are left to the CPU, too.
-#[derive(Debug)]
 pub struct GpuRayCast {
     context: Arc<Context>,
     cpu: RayCast,
@@ -41,6 +42,16 @@ pub struct GpuRayCast {
     /// One row at a time.
     counts: Mutex<Counts>,
     failure: OnceLock<GpuError>,
+    report: Option<Report>,
+}
+
+impl fmt::Debug for GpuRayCast {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("GpuRayCast")
+            .field("context", &self.context)
+            .field("failure", &self.failure)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Where hits are counted, and where the CPU reads them.
@@ -98,11 +109,20 @@ impl GpuRayCast {
             cpu: RayCast::new(mesh, options),
             counts: Mutex::new(counts),
             failure: OnceLock::new(),
+            report: None,
             layout,
             context,
         };
         new.context.wait()?;
         Ok(new)
+    }
+
+    /// `report` hears why rows come from the CPU.
+    pub(crate) fn with_report(self, report: Report) -> Self {
+        Self {
+            report: Some(report),
+            ..self
+        }
     }
 
     /// Why rows come from the CPU since then, if they do.
@@ -112,6 +132,7 @@ impl GpuRayCast {
 
     /// Hits of each element, of what only absorbs, and of nothing.
     fn hits(&self, source: NodeId, rays: u32) -> Result<Vec<u32>, GpuError> {
+        self.context.check()?;
         let device = &self.context.device;
         let parts = self.parts(source);
         let part_buffer = filled(device, "parts", &parts, BufferUsages::STORAGE);
@@ -226,7 +247,9 @@ impl FormFactors for GpuRayCast {
             Ok(hits) => self.write(&hits, rays, row),
             Err(failure) => {
                 // Another thread may have been first; either reason is true.
-                let _ = self.failure.set(failure);
+                if let (Ok(()), Some(report)) = (self.failure.set(failure.clone()), &self.report) {
+                    report(&failure);
+                }
                 self.cpu.fill_row(source, row);
             }
         }

@@ -1,13 +1,14 @@
 //! Sorted shooting with all its state on the device: twin of `radiosity/src/solve/shooting.rs`.
 //!
-//! Light, geometry and the choice of the next patch stay in GPU buffers; a step submits several hemicubes and only
-//! eight numbers come back. [`GpuShooting::settle`] brings the light to the CPU when somebody wants to see it.
+//! Light, geometry and the choice of the next patch stay in GPU buffers; a step is one submission of several hemicubes,
+//! after which only eight numbers come back. [`GpuShooting::settle`] brings the light to the CPU when somebody wants to
+//! see it.
 
 use crate::backend::Report;
-use crate::buffer::{bind, compute, empty, filled, groups, layout, module, storage, uniform};
+use crate::buffer::{bind, compute, empty, filled, groups, layout, module, read, storage, uniform};
 use crate::context::Context;
 use crate::error::GpuError;
-use crate::hemicube::{Batch, Geometry, HemicubePass, compute_pass, count, read, viewpoint};
+use crate::hemicube::{Batch, Geometry, HemicubePass, compute_pass, count};
 use hemicube_radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
 use hemicube_radiosity::solution::BANDS;
 use hemicube_radiosity::{Progress, Solution, Solver};
@@ -15,17 +16,21 @@ use hemicube_shaders::shooting as twins;
 use std::sync::Arc;
 use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, ShaderStages};
 
-/// Hemicubes of a submission unless something else is asked for.
-const HEMICUBES_PER_STEP: u32 = 8;
+/// Hemicubes of a submission unless something else is asked for: enough that waiting for the device between submissions
+/// costs nothing, few enough that somebody who waits for the next one does not notice.
+const HEMICUBES_PER_STEP: u32 = 32;
 
 /// Sorted shooting on the GPU.
 ///
-/// Receivers that cover few cells are counted as they are drawn. Where a hemicube shows panes the CPU has to peel them,
-/// so such meshes are refused.
+/// Receivers that cover few cells are counted as they are drawn. A step may end between two hemicubes of a patch; what
+/// the patch has not yet spread then counts as unshot, and [`Self::settle`] ends its shot.
 pub struct GpuShooting {
     context: Arc<Context>,
     solution: Solution,
     hemicubes_per_step: u32,
+    /// No patch begins to shoot after so many.
+    most_shots: u32,
+    submissions: u64,
     emitted: f64,
     /// Steps of the solution before this solver took it over.
     steps_before: u64,
@@ -51,13 +56,15 @@ struct OnDevice {
     light: Buffer,
     read_state: Buffer,
     read_light: Buffer,
+    /// Of the buffers that shooting itself needs.
+    bytes: u64,
 }
 
 impl GpuShooting {
     /// Goes on from a solution; a new one starts with the light of its emitters.
     ///
     /// # Errors
-    /// Options out of their range; a mesh with panes; a mesh or channels that do not fit the adapter's limits.
+    /// Options out of their range; a mesh or channels that do not fit the adapter's limits or its memory.
     pub fn new(
         context: Arc<Context>,
         solution: Solution,
@@ -65,17 +72,13 @@ impl GpuShooting {
     ) -> Result<Self, GpuError> {
         let mesh = solution.mesh().clone();
         let cpu = Hemicube::new(mesh, options).map_err(|e| GpuError::Option(e.to_string()))?;
-        if cpu.is_layered() {
-            return Err(GpuError::Option(String::from(
-                "the scene has panes, which the GPU's shooting does not look through; use another solver or the CPU",
-            )));
-        }
-        let device = OnDevice::new(&context, &solution, &cpu)?;
-        context.wait()?;
+        let device = context.guard(|| OnDevice::new(&context, &solution, &cpu))?;
         let mut solver = Self {
             emitted: solution.reference_flux(),
             steps_before: solution.provenance.steps,
             hemicubes_per_step: HEMICUBES_PER_STEP,
+            most_shots: u32::MAX,
+            submissions: 0,
             state: bytemuck::Zeroable::zeroed(),
             failure: None,
             report: None,
@@ -83,7 +86,7 @@ impl GpuShooting {
             solution,
             device,
         };
-        solver.submit(|device, encoder| device.survey(encoder))?;
+        solver.submit(0)?;
         Ok(solver)
     }
 
@@ -93,6 +96,12 @@ impl GpuShooting {
             hemicubes_per_step: hemicubes_per_step.max(1),
             ..self
         }
+    }
+
+    /// No more patches shoot than so many.
+    pub(crate) fn with_most_shots(self, most: Option<u64>) -> Self {
+        let most_shots = most.map_or(u32::MAX, |most| u32::try_from(most).unwrap_or(u32::MAX));
+        Self { most_shots, ..self }
     }
 
     /// `report` hears what went wrong.
@@ -113,48 +122,67 @@ impl GpuShooting {
         &self.device.light
     }
 
-    /// Submits work and reads the state after it.
-    fn submit(
-        &mut self,
-        work: impl FnOnce(&OnDevice, &mut CommandEncoder),
-    ) -> Result<(), GpuError> {
+    /// Submissions so far, those that bring light to the CPU left out.
+    pub fn submissions(&self) -> u64 {
+        self.submissions
+    }
+
+    /// Patches that have begun to shoot.
+    pub fn shots(&self) -> u64 {
+        self.state.shots.into()
+    }
+
+    /// Bytes on the device.
+    pub fn bytes(&self) -> u64 {
+        self.device.bytes()
+    }
+
+    /// Submits so many hemicubes and reads the state after them.
+    fn submit(&mut self, hemicubes: u32) -> Result<(), GpuError> {
+        self.context.check()?;
         let device = &self.device;
         let descriptor = wgpu::CommandEncoderDescriptor {
             label: Some("shooting"),
         };
         let mut encoder = self.context.device.create_command_encoder(&descriptor);
-        work(device, &mut encoder);
+        device.rounds(&mut encoder, hemicubes);
+        device.run(&mut encoder, &device.survey, (1, 1));
         let bytes = size_of::<twins::ShotState>() as u64;
         encoder.copy_buffer_to_buffer(&device.state, 0, &device.read_state, 0, bytes);
         self.context.queue.submit([encoder.finish()]);
         let words = read(&self.context, &device.read_state, bytes)?;
         self.state = *bytemuck::from_bytes(bytemuck::cast_slice(&words));
         self.solution.provenance.steps = self.steps_before + u64::from(self.state.shots);
+        self.submissions += 1;
         Ok(())
     }
 
-    fn hold(&self, holds: bool) {
-        let offset = core::mem::offset_of!(twins::ShotState, holds) as u64;
-        let word = u32::from(holds).to_ne_bytes();
+    /// From now on no patch begins to shoot after so many.
+    fn bound(&self, most_shots: u32) {
+        let offset = core::mem::offset_of!(twins::ShotState, most_shots) as u64;
+        let word = most_shots.to_ne_bytes();
         self.context
             .queue
             .write_buffer(&self.device.state, offset, &word);
     }
 
     fn shoot(&mut self) -> Result<(), GpuError> {
-        let hemicubes = self.hemicubes_per_step;
-        self.hold(false);
-        self.submit(|device, encoder| device.rounds(encoder, hemicubes))?;
-        // The patch that shoots ends its shot, so that all light is either unshot or has arrived.
+        self.bound(self.most_shots);
+        self.submit(self.hemicubes_per_step)
+    }
+
+    /// The patch that shoots ends its shot, so that all light is either unshot or has arrived.
+    fn end_shot(&mut self) -> Result<(), GpuError> {
         let rest = self.state.views.saturating_sub(self.state.view + 1);
-        self.hold(true);
-        self.submit(|device, encoder| {
-            device.rounds(encoder, rest);
-            device.survey(encoder);
-        })
+        if rest > 0 {
+            self.bound(0);
+            self.submit(rest)?;
+        }
+        Ok(())
     }
 
     fn fetch(&mut self) -> Result<(), GpuError> {
+        self.end_shot()?;
         let device = &self.device;
         let bytes = device.read_light.size();
         let descriptor = wgpu::CommandEncoderDescriptor {
@@ -240,14 +268,18 @@ impl OnDevice {
     fn new(context: &Context, solution: &Solution, cpu: &Hemicube) -> Result<Self, GpuError> {
         let device = &context.device;
         let mesh = solution.mesh();
-        let hemicube = HemicubePass::new(context);
         let geometry = Geometry::new(context, cpu)?;
+        let hemicube = HemicubePass::new(context, geometry.layers > 1);
         let batch = Batch::new(context, &hemicube, &geometry, 1)?;
         let params = twins::ShootingParams {
             elements: count(mesh.elements().len()),
             patches: count(mesh.patches().len()),
             channels: count(solution.groups().len() * BANDS),
-            padding: 0,
+            bands: count(usize::try_from(geometry.size.bands()).expect("one or three")),
+            farthest: mesh.visibility().diameter(),
+            padding_0: 0,
+            padding_1: 0,
+            padding_2: 0,
         };
         let start = light(solution);
         let largest = context.limits.max_storage_buffer_binding_size;
@@ -309,6 +341,7 @@ impl OnDevice {
             seen: bind(device, "seen", &seen_layout, &seen),
             read_state: empty(device, "state to read", state_bytes, to_read),
             read_light: empty(device, "light to read", light.size(), to_read),
+            bytes: buffers.iter().map(Buffer::size).sum(),
             hemicube,
             geometry,
             batch,
@@ -334,9 +367,8 @@ impl OnDevice {
     fn rounds(&self, encoder: &mut CommandEncoder, hemicubes: u32) {
         for _ in 0..hemicubes {
             self.run(encoder, &self.choose, (1, 1));
-            self.hemicube.place(encoder, &self.geometry, &self.batch, 1);
-            self.hemicube.draw(encoder, &self.geometry, &self.batch, 0);
-            self.hemicube.sum(encoder, &self.geometry, &self.batch, 1);
+            self.hemicube
+                .encode(encoder, &self.geometry, &self.batch, 1, None);
             self.run(
                 encoder,
                 &self.spread,
@@ -346,8 +378,9 @@ impl OnDevice {
         }
     }
 
-    fn survey(&self, encoder: &mut CommandEncoder) {
-        self.run(encoder, &self.survey, (1, 1));
+    fn bytes(&self) -> u64 {
+        let own = self.bytes + self.read_state.size() + self.read_light.size();
+        own + self.geometry.bytes() + self.batch.bytes()
     }
 }
 
@@ -391,17 +424,18 @@ fn patches(cpu: &Hemicube) -> (Vec<twins::ShootingPatch>, Vec<twins::ShotView>) 
         let first_view = count(all.len());
         #[expect(clippy::cast_possible_truncation, reason = "weights are kept in f32")]
         all.extend(cpu.viewpoints(id).iter().map(|view| twins::ShotView {
-            viewpoint: viewpoint(mesh, view),
+            origin: view.origin.to_array(),
             weight: view.weight as f32,
-            padding_0: 0,
-            padding_1: 0,
-            padding_2: 0,
+            tangent: view.axes[0].to_array(),
+            least_near: mesh.visibility().offset(view.origin),
         }));
         patches.push(twins::ShootingPatch {
             first_element: count(elements.start),
             elements: count(elements.len()),
             first_view,
             views: count(all.len()) - first_view,
+            normal: mesh.node(id).normal.to_array(),
+            padding: 0,
         });
     }
     (patches, all)

@@ -1,22 +1,14 @@
 //! Hemicubes of the GPU against those of the CPU.
 
-use hemicube_gpu::{Context, GpuHemicube};
+mod device;
+
+use device::context;
+use hemicube_gpu::GpuHemicube;
 use hemicube_radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions, ItemBuffers};
 use hemicube_radiosity::form_factor::{FormFactors, Row};
 use hemicube_radiosity::patch::{PatchMesh, PatchOptions};
 use hemicube_scene::builtin;
 use std::sync::Arc;
-
-/// A device, or none where there is no adapter.
-fn context() -> Option<Arc<Context>> {
-    match Context::headless(None) {
-        Ok(context) => Some(Arc::new(context)),
-        Err(error) => {
-            println!("skipped: {error}");
-            None
-        }
-    }
-}
 
 fn mesh(scene: &str, elements: usize) -> Arc<PatchMesh> {
     let scene = builtin::scene(scene).expect("a built-in scene");
@@ -47,7 +39,9 @@ fn item_buffers_are_those_of_the_cpu_but_for_ties() {
             }
         }
         println!("{scene}: {other} of {cells} cells differ, {empty} of them empty on one side");
-        assert!(other * 1000 < cells, "{scene}: {other} of {cells}");
+        // Depths that tie, and roundings of interpolated depths: 18 and 84 of 983,040 were seen.
+        assert!(other * 5000 < cells, "{scene}: {other} of {cells}");
+        assert_eq!(empty, 0, "{scene}: no cell is empty on one side only");
     }
 }
 

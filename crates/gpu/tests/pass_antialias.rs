@@ -42,8 +42,12 @@ fn filters_are_those_of_the_cpu() {
         let exposure = Exposure::Ev(1.0);
         let tones = ToneMap::Reinhard;
         let cpu = render_display(&solution, &camera, &options(name), exposure, tones);
-        let cpu = cpu.expect("CPU").map(|c| c.map(|band| band.clamp(0.0, 1.0)));
-        let gpu = gpu.display(&camera, SIZE, &drawn(name).with_exposure(2.0)).expect("GPU");
+        let cpu = cpu
+            .expect("CPU")
+            .map(|c| c.map(|band| band.clamp(0.0, 1.0)));
+        let gpu = gpu
+            .display(&camera, SIZE, &drawn(name).with_exposure(2.0))
+            .expect("GPU");
         let gpu = gpu.map(|c| c.map(|band| band.clamp(0.0, 1.0)));
         show(&format!("antialias-{}", name.replace(':', "-")), &cpu, &gpu);
         let off = difference(&cpu, &gpu);
@@ -74,7 +78,10 @@ fn four_samples_for_edges_are_better_than_one_and_near_those_of_a_grid() {
     let camera = camera(&solution);
     let mut gpu = Walkthrough::new(context, &solution).expect("a scene");
     let exposed = |options: DrawOptions| options.with_exposure(2.0);
-    let mut picture = |options| gpu.display(&camera, SIZE, &exposed(options)).expect("a picture");
+    let mut picture = |options| {
+        gpu.display(&camera, SIZE, &exposed(options))
+            .expect("a picture")
+    };
     let truth = picture(drawn("8x8"));
     let smoothed = |smoothing| DrawOptions::default().with_smoothing(smoothing);
     let one = difference(&truth, &picture(smoothed(Smoothing::None))).mean;
@@ -91,8 +98,12 @@ fn jitter_is_refused_in_words() {
     let solution = lit_builtin("cornell", 300);
     let camera = camera(&solution);
     let mut gpu = Walkthrough::new(context, &solution).expect("a scene");
-    let error = gpu.display(&camera, SIZE, &drawn("2x2-jittered")).expect_err("jitter");
+    let error = gpu
+        .display(&camera, SIZE, &drawn("2x2-jittered"))
+        .expect_err("jitter");
     assert!(error.to_string().contains("regular"), "{error}");
-    let error = gpu.display(&camera, [1000, 1000], &drawn("32x32")).expect_err("a size");
+    let error = gpu
+        .display(&camera, [1000, 1000], &drawn("32x32"))
+        .expect_err("a size");
     assert!(error.to_string().contains("samples"), "{error}");
 }

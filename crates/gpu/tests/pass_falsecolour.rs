@@ -48,13 +48,17 @@ fn lines_of_equal_value_lie_where_the_value_is() {
             .with_style(Style::FalseColour(paint))
             .with_smoothing(Smoothing::None)
     };
-    let without = gpu.display(&camera, size, &options(paint.clone())).expect("a picture");
+    let without = gpu
+        .display(&camera, size, &options(paint.clone()))
+        .expect("a picture");
     let lined = paint.clone().with_isolines(Isolines {
         spacing: 50.0,
         color: Rgb::WHITE,
         ..Isolines::default()
     });
-    let with = gpu.display(&camera, size, &options(lined)).expect("a picture");
+    let with = gpu
+        .display(&camera, size, &options(lined))
+        .expect("a picture");
     show("isolines", &without, &with);
     // Where a line is, the table's colour is that of a multiple of 50, or nearly so.
     let value = |c: Rgb| nearest_value(&paint, c);
@@ -70,10 +74,7 @@ fn lines_of_equal_value_lie_where_the_value_is() {
     assert!(near * 100 > lines.len() * 95, "{near} of {}", lines.len());
 }
 
-fn pairs<'a>(
-    a: &'a Image<Rgb>,
-    b: &'a Image<Rgb>,
-) -> impl Iterator<Item = (&'a Rgb, &'a Rgb)> {
+fn pairs<'a>(a: &'a Image<Rgb>, b: &'a Image<Rgb>) -> impl Iterator<Item = (&'a Rgb, &'a Rgb)> {
     a.pixels().iter().zip(b.pixels())
 }
 
@@ -84,7 +85,9 @@ fn nearest_value(paint: &FieldPaint, color: Rgb) -> f32 {
         let d = paint.color(v, 0.0) - color;
         d.r * d.r + d.g * d.g + d.b * d.b
     };
-    values.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0.0)
+    values
+        .min_by(|a, b| off(*a).total_cmp(&off(*b)))
+        .unwrap_or(0.0)
 }
 
 #[test]

@@ -13,14 +13,18 @@ use hemicube_scene::{
     Camera, Face, Instance, Material, Mesh, Scene, Texture, TextureImage, TextureSlot, Wrap,
 };
 
-const SIZE: [u32; 2] = [200, 150];
+const SIZE: [u32; 2] = [120, 90];
 
 /// A floor to the horizon with a picture on it, under a uniform sky.
 fn plane(wrap: Wrap, repeats: f32) -> Solution {
     let checks = (0..64 * 64).map(|i| {
         let (x, y) = (i % 64, i / 64);
         let is_light = (x / 8 + y / 8) % 2 == 0;
-        let [r, g, b] = if is_light { [250, 230, 200] } else { [20, 30, 60] };
+        let [r, g, b] = if is_light {
+            [250, 230, 200]
+        } else {
+            [20, 30, 60]
+        };
         [r, g, b - u8::try_from(y / 2).expect("small"), 255]
     });
     let image = Image::from_pixels(64, 64, checks.collect()).expect("a picture");
@@ -84,7 +88,7 @@ fn compare(wrap: Wrap, repeats: f32, filter: (TextureFilter, Minify), name: &str
     let solution = plane(wrap, repeats);
     let mut gpu = Walkthrough::new(context, &solution).expect("a scene");
     let options = RenderOptions::default()
-        .with_size(200, 150)
+        .with_size(120, 90)
         .with_samples(1)
         .with_texture_filter(filter.0);
     let cpu = render(&solution, &camera(4.0), &options).expect("CPU");
@@ -163,16 +167,16 @@ fn kernels_close_up_are_those_of_the_cpu() {
         let sampler = hemicube_raster::texture::Sampler::default().with_magnify(magnify);
         let half = 30.0 * 0.25_f32.tan();
         let color = |x: usize, y: usize| {
-            let s = (x as f32 + 0.5) / 200.0 * 2.0 - 1.0;
-            let t = (y as f32 + 0.5) / 150.0 * 2.0 - 1.0;
+            let s = (x as f32 + 0.5) / 120.0 * 2.0 - 1.0;
+            let t = (y as f32 + 0.5) / 90.0 * 2.0 - 1.0;
             let place = Vec2::new(5.0 + s * half * 4.0 / 3.0, -7.0 + t * half);
             let uv = (place + 100.0) / 200.0 - 0.3;
             let texel = sampler.sample(chain, uv);
             // The surface lies under the whole sky: all of its light comes back, up to the largest reflectance.
             Rgb::new(texel.x, texel.y, texel.z).map(|band| band.clamp(0.0, 0.98))
         };
-        let pixels = (0..200 * 150).map(|i| color(i % 200, i / 200)).collect();
-        let expected = Image::from_pixels(200, 150, pixels).expect("a picture");
+        let pixels = (0..120 * 90).map(|i| color(i % 120, i / 120)).collect();
+        let expected = Image::from_pixels(120, 90, pixels).expect("a picture");
         show(&format!("magnify-{magnify:?}"), &expected, &found);
         let off = difference(&expected, &found);
         println!("{magnify:?}: {off:?}");
@@ -186,7 +190,7 @@ fn anisotropic_samplers_blur_less_than_trilinear_ones() {
     let Some(context) = context() else { return };
     let solution = plane(Wrap::Repeat, 40.0);
     let mut gpu = Walkthrough::new(context, &solution).expect("a scene");
-    let options = RenderOptions::default().with_size(200, 150).with_samples(8);
+    let options = RenderOptions::default().with_size(120, 90).with_samples(4);
     let truth = render(&solution, &camera(4.0), &options).expect("CPU");
     let mut off = |minify| {
         let drawn = DrawOptions::default()

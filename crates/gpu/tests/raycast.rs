@@ -1,6 +1,9 @@
 //! Rays of the GPU against those of the CPU.
 
-use hemicube_gpu::{Context, GpuRayCast};
+mod device;
+
+use device::context;
+use hemicube_gpu::GpuRayCast;
 use hemicube_radiosity::form_factor::raycast::Strategy;
 use hemicube_radiosity::form_factor::{FormFactors, RayCast, RayCastOptions, Row};
 use hemicube_radiosity::patch::{PatchMesh, PatchOptions};
@@ -9,10 +12,7 @@ use std::sync::Arc;
 
 #[test]
 fn rows_are_those_of_the_cpu_within_their_standard_errors() {
-    let context = match Context::headless(None) {
-        Ok(context) => Arc::new(context),
-        Err(error) => return println!("skipped: {error}"),
-    };
+    let Some(context) = context() else { return };
     for (scene, elements) in [("cornell", 600), ("office", 3000)] {
         let scene = builtin::scene(scene).expect("a built-in scene");
         let mesh = PatchOptions::default()

@@ -1,6 +1,9 @@
 //! Shooting on the device against shooting on the CPU.
 
-use hemicube_gpu::{Context, GpuShooting};
+mod device;
+
+use device::context;
+use hemicube_gpu::GpuShooting;
 use hemicube_radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
 use hemicube_radiosity::solve::shooting::{Order, Shooting};
 use hemicube_radiosity::stop::NEVER;
@@ -10,10 +13,7 @@ use std::sync::Arc;
 
 #[test]
 fn light_is_that_of_the_cpu_and_none_is_lost() {
-    let context = match Context::headless(None) {
-        Ok(context) => Arc::new(context),
-        Err(error) => return println!("skipped: {error}"),
-    };
+    let Some(context) = context() else { return };
     let scene = Arc::new(builtin::scene("cornell").expect("a built-in scene"));
     let mut options = SolveOptions::default();
     options.mesh = options.mesh.with_elements(1500).with_patches(400);

@@ -29,6 +29,7 @@
 //! | [`radiosity`] | patches, form factors, solvers, solutions, lit `.glb` files |
 //! | [`render`] | pictures of solutions |
 //! | `gpu` | hemicubes, rays and shooting on a GPU; only with the feature `gpu` |
+//! | [`shaders`] | their WGSL, and what a scene takes of a GPU's memory |
 //!
 //! # Current state
 //! Surfaces are diffuse; panes let light straight through. The front page of each crate says what it does not do yet.
@@ -42,3 +43,4 @@ pub use hemicube_radiosity as radiosity;
 pub use hemicube_raster as raster;
 pub use hemicube_render as render;
 pub use hemicube_scene as scene;
+pub use hemicube_shaders as shaders;

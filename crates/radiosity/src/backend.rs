@@ -36,6 +36,15 @@ pub trait Backend: Sync {
         let _ = (options, order);
         Ok(Shooter::None(Box::new(solution)))
     }
+
+    /// Whether the CPU may go on where the backend has failed. It is asked before the CPU takes over and at the end of
+    /// the work.
+    ///
+    /// # Errors
+    /// The backend has failed, and was to do everything or nothing.
+    fn verdict(&self) -> Result<(), RadiosityError> {
+        Ok(())
+    }
 }
 
 /// A backend's own way to shoot.
@@ -86,5 +95,9 @@ impl<B: Backend + ?Sized> Backend for &B {
         order: Order,
     ) -> Result<Shooter, RadiosityError> {
         (**self).shooting(solution, options, order)
+    }
+
+    fn verdict(&self) -> Result<(), RadiosityError> {
+        (**self).verdict()
     }
 }

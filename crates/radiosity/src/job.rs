@@ -368,7 +368,10 @@ pub fn resume_on(
     let mut name = backend.name(options);
     let mut go_on = |progress: &Progress, solution: &Solution| {
         // It is told every state, also one at which a limit ends the work.
-        go_on(progress, solution) && most.is_none_or(|most| progress.iteration < most) && !stop()
+        go_on(progress, solution)
+            && most.is_none_or(|most| progress.iteration < most)
+            && !stop()
+            && backend.verdict().is_ok()
     };
     let (mut solution, rays) = match options.solver.way() {
         Way::Shooting(order) => match backend.shooting(solution, options, order)? {
@@ -382,6 +385,7 @@ pub fn resume_on(
                     (solution, 0)
                 } else {
                     // The device is gone; the light that it brought here is not.
+                    backend.verdict()?;
                     name += ", then hemicube";
                     let hemicubes = FormFactorKind::Hemicube;
                     let factors =
@@ -413,6 +417,7 @@ pub fn resume_on(
             (solution, factors.rays())
         }
     };
+    backend.verdict()?;
     solution.provenance = Provenance {
         form_factors: name,
         rays_per_hemisphere: options.rays,

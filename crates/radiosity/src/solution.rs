@@ -214,7 +214,7 @@ impl Solution {
     /// Takes over the light of a solver that keeps it elsewhere: irradiance and unshot radiosity, `[group][band][element]`,
     /// and the flux that backs absorbed and that escaped meanwhile, by channel.
     ///
-    /// What elements absorbed follows from their irradiance, panes excluded.
+    /// What elements absorbed follows from their irradiance: it is neither reflected nor let through.
     ///
     /// # Panics
     /// The arrays do not have the solution's sizes.
@@ -237,7 +237,8 @@ impl Solution {
             let (group, band) = (channel / BANDS, channel % BANDS);
             let range = channel * elements..(channel + 1) * elements;
             let gained = |(i, e): (usize, usize)| {
-                let kept = 1.0 - f64::from(self.mesh.reflectance()[e][band]);
+                let through = f64::from(self.mesh.transmittance()[e][band]);
+                let kept = 1.0 - through - f64::from(self.mesh.reflectance()[e][band]);
                 kept * self.area(e) * (f64::from(irradiance[i]) - f64::from(self.irradiance[i]))
             };
             let absorbed: f64 = range.zip(0..elements).map(gained).sum();

@@ -2,6 +2,7 @@
 
 use crate::behind::Behind;
 use crate::draw::draw;
+use crate::error::RenderError;
 use crate::lens::Lens;
 use crate::options::RenderOptions;
 use crate::reflections::{Mirror, Mirrors, Reflections};
@@ -9,6 +10,7 @@ use crate::shade::{Light, Shader};
 use crate::stage::Stage;
 use core::f32::consts::FRAC_PI_2;
 use glam::{Vec2, Vec3};
+use hemicube_radiosity::Solution;
 use hemicube_raster::environment::{
     EnvironmentMap, EnvironmentPyramid, PrefilterOptions, PrefilteredEnvironment,
     Projection as Faces,
@@ -44,43 +46,92 @@ impl Object {
     }
 }
 
-/// The maps of all mirroring objects; the largest objects have maps of their own.
+/// Which objects get maps, where they are taken, and which parts show which.
+#[derive(Debug, Clone, Default)]
+pub struct MirrorPlan {
+    /// For each part of the drawn mesh the number of the map that it shows, if it mirrors.
+    pub of_parts: Vec<Option<usize>>,
+    /// Where maps are taken.
+    pub sites: Vec<MirrorSite>,
+}
+
+/// Where a map is taken.
+#[derive(Debug, Clone, Copy)]
+pub struct MirrorSite {
+    /// The scene's instance that mirrors; the map does not show it.
+    pub instance: usize,
+    /// The middle of its mirroring parts.
+    pub position: Vec3,
+    /// The box that stands for what the map shows, in a scene that is closed around the object.
+    pub room: Option<(Vec3, Vec3)>,
+}
+
+impl MirrorPlan {
+    /// What is wanted of a solution's scene.
+    ///
+    /// # Errors
+    /// A name that nothing has, maps of an impossible size; one line.
+    pub fn new(solution: &Solution, wanted: &Reflections) -> Result<Self, RenderError> {
+        wanted.check(solution.mesh().scene())?;
+        let stage = Stage::new(solution, &RenderOptions::default());
+        Ok(Self::of_stage(&stage, wanted))
+    }
+
+    /// The largest objects have maps of their own, others show the nearest.
+    fn of_stage(stage: &Stage<'_>, wanted: &Reflections) -> Self {
+        let mirroring = wanted.mirroring_parts(stage);
+        let mut objects = objects(stage, &mirroring);
+        // The sort is stable: of equals the first in the scene.
+        objects.sort_by(|a, b| b.size().total_cmp(&a.size()));
+        let own = &objects[..objects.len().min(wanted.maps)];
+        let sites: Vec<MirrorSite> = own.iter().map(|o| site_of(stage, wanted, o)).collect();
+        let nearest = |at: Vec3| {
+            let distance = |site: &MirrorSite| site.position.distance_squared(at);
+            let of = |(i, site): (usize, &MirrorSite)| (i, distance(site));
+            let numbered = sites.iter().enumerate().map(of);
+            numbered.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
+        };
+        let map_of: BTreeMap<usize, Option<usize>> = objects
+            .iter()
+            .enumerate()
+            .map(|(i, object)| {
+                let map = if i < sites.len() {
+                    Some(i)
+                } else {
+                    nearest(object.centre())
+                };
+                (object.instance, map)
+            })
+            .collect();
+        let parts = stage.drawn.parts.iter().zip(&mirroring);
+        let of_part = parts.map(|(part, &mirrors)| {
+            let map = map_of.get(&part.instance).copied().flatten();
+            map.filter(|_| mirrors)
+        });
+        Self {
+            of_parts: of_part.collect(),
+            sites,
+        }
+    }
+}
+
+fn site_of(stage: &Stage<'_>, wanted: &Reflections, object: &Object) -> MirrorSite {
+    let position = object.centre();
+    let has_room = wanted.box_projected && is_closed(stage, position);
+    MirrorSite {
+        instance: object.instance,
+        position,
+        room: has_room.then(|| stage.bounds()),
+    }
+}
+
+/// The maps of all mirroring objects.
 pub(crate) fn capture(stage: &Stage<'_>, behind: Behind<'_>, wanted: &Reflections) -> Mirrors {
-    let mirroring = wanted.mirroring_parts(stage);
-    let mut objects = objects(stage, &mirroring);
-    // The sort is stable: of equals the first in the scene.
-    objects.sort_by(|a, b| b.size().total_cmp(&a.size()));
-    let own = &objects[..objects.len().min(wanted.maps)];
-    let mirrors: Vec<Mirror> = own
-        .iter()
-        .map(|object| mirror_of(stage, behind, wanted, object))
-        .collect();
-    let nearest = |at: Vec3| {
-        let distance = |m: &Mirror| m.position.distance_squared(at);
-        let of = |(i, m): (usize, &Mirror)| (i, distance(m));
-        let numbered = mirrors.iter().enumerate().map(of);
-        numbered.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
-    };
-    let map_of: BTreeMap<usize, Option<usize>> = objects
-        .iter()
-        .enumerate()
-        .map(|(i, object)| {
-            let map = if i < mirrors.len() {
-                Some(i)
-            } else {
-                nearest(object.centre())
-            };
-            (object.instance, map)
-        })
-        .collect();
-    let parts = stage.drawn.parts.iter().zip(&mirroring);
-    let of_part = parts.map(|(part, &mirrors)| {
-        let map = map_of.get(&part.instance).copied().flatten();
-        map.filter(|_| mirrors)
-    });
+    let plan = MirrorPlan::of_stage(stage, wanted);
+    let mirror = |site: &MirrorSite| mirror_of(stage, behind, wanted, site);
     Mirrors {
-        of_parts: of_part.collect(),
-        mirrors,
+        mirrors: plan.sites.iter().map(mirror).collect(),
+        of_parts: plan.of_parts,
     }
 }
 
@@ -107,9 +158,9 @@ fn mirror_of(
     stage: &Stage<'_>,
     behind: Behind<'_>,
     wanted: &Reflections,
-    object: &Object,
+    site: &MirrorSite,
 ) -> Mirror {
-    let eye = object.centre();
+    let eye = site.position;
     let faces: Vec<Image<Rgb>> = (0..6)
         .map(|face| {
             face_picture(
@@ -117,7 +168,7 @@ fn mirror_of(
                 behind,
                 wanted.resolution,
                 &face_camera(eye, face),
-                object.instance,
+                site.instance,
             )
         })
         .collect();
@@ -125,11 +176,10 @@ fn mirror_of(
     let options = PrefilterOptions::default()
         .with_rows(wanted.resolution)
         .with_samples(BLUR_SAMPLES);
-    let room = (wanted.box_projected && is_closed(stage, eye)).then(|| stage.bounds());
     Mirror {
         position: eye,
         map: PrefilteredEnvironment::new(&EnvironmentPyramid::new(map), &options),
-        room,
+        room: site.room,
     }
 }
 
@@ -155,8 +205,8 @@ fn face_picture(
     )
 }
 
-/// A camera whose picture is a face of the cube.
-fn face_camera(eye: Vec3, face: usize) -> Camera {
+/// A camera at a place whose square picture is a face of a cube map.
+pub fn face_camera(eye: Vec3, face: usize) -> Camera {
     let towards = |s: f32, t: f32| Faces::Cube.direction(face, Vec2::new(s, t));
     Camera {
         name: String::from("face"),

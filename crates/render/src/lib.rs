@@ -50,8 +50,12 @@ mod tilt;
 mod trace;
 
 pub use auto_camera::choose_camera;
+pub use capture::{MirrorPlan, MirrorSite, face_camera};
 pub use error::RenderError;
 pub use options::{ParseShadingError, RenderOptions, Shading, TextureFilter};
 pub use projection::{check_camera, clip_from_world};
 pub use reflections::Reflections;
 pub use renderer::{Renderer, render, render_display, tone_mapped};
+pub use split_sum::split_sum_table;
+pub use tangents::{TangentFrame, Tangents};
+pub use tilt::{TiltFit, tilt_fits};

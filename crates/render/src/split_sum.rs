@@ -19,6 +19,12 @@ const SAMPLES: u32 = 512;
 
 type Table = [[Vec2; SIDE]; SIDE];
 
+/// The table of `A` and `B`: rows by roughness from 0 to 1, columns by the root of the cosine from 0 to 1.
+pub fn split_sum_table() -> &'static [[Vec2; 32]; 32] {
+    static TABLE: OnceLock<Box<Table>> = OnceLock::new();
+    TABLE.get_or_init(tabulated)
+}
+
 /// Share of light that is mirrored, by reflectance straight on `f0`, cosine of the viewing angle, and roughness.
 pub(crate) fn mirrored_share(f0: Rgb, cosine: f32, roughness: f32) -> Rgb {
     let [a, b] = split_sum(cosine, roughness).to_array();
@@ -29,8 +35,7 @@ pub(crate) fn mirrored_share(f0: Rgb, cosine: f32, roughness: f32) -> Rgb {
 
 /// `A` and `B`, bilinear between entries.
 fn split_sum(cosine: f32, roughness: f32) -> Vec2 {
-    static TABLE: OnceLock<Box<Table>> = OnceLock::new();
-    let table = TABLE.get_or_init(tabulated);
+    let table = split_sum_table();
     let ((x, fx), (y, fy)) = (place(cosine.max(0.0).sqrt()), place(roughness));
     let row = |y: usize| table[y][x].lerp(table[y][x + 1], fx);
     row(y).lerp(row(y + 1), fy)

@@ -11,7 +11,7 @@ use std::collections::HashMap;
 
 /// The tangents of a triangle's corners in the world.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct TangentFrame {
+pub struct TangentFrame {
     /// Towards growing u, of unit length, and the sign of the bitangent `w N × T`, where `N` is the normal of the side
     /// that the relief was made for.
     pub corners: [Vec4; 3],
@@ -19,12 +19,13 @@ pub(crate) struct TangentFrame {
     pub is_turned: bool,
 }
 
-/// Tangents of all triangles that need some, by their number in the stage.
+/// Tangents of all triangles whose material has a relief, by their number among those of the drawn mesh's parts, one part
+/// after the other.
 #[derive(Debug, Default)]
-pub(crate) struct Tangents(HashMap<u32, TangentFrame>);
+pub struct Tangents(HashMap<u32, TangentFrame>);
 
 impl Tangents {
-    /// The file's tangents, or those of MikkTSpace, which each mesh gets once.
+    /// The file's tangents, or those of MikkTSpace, which each mesh gets once; `drawn` is a drawn mesh of `mesh`.
     pub fn new(mesh: &PatchMesh, drawn: &DrawnMesh) -> Self {
         let scene = mesh.scene();
         let mut of_meshes = HashMap::new();
@@ -44,9 +45,14 @@ impl Tangents {
         Self(frames)
     }
 
+    /// The frame of a triangle; none without a relief.
+    pub fn of_triangle(&self, number: u32) -> Option<&TangentFrame> {
+        self.0.get(&number)
+    }
+
     /// The frame at a hit.
-    pub fn of(&self, hit: &SurfaceHit) -> Option<&TangentFrame> {
-        self.0.get(&hit.triangle)
+    pub(crate) fn of(&self, hit: &SurfaceHit) -> Option<&TangentFrame> {
+        self.of_triangle(hit.triangle)
     }
 }
 

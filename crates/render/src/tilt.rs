@@ -9,11 +9,13 @@
 //! sides do not see, is 2.7 % of the mean, of which 2.1 % are there without bumps (root of mean square; the light itself
 //! varies by 61 %, see the tests). Shadows that bumps cast on each other are missing in both.
 
+use crate::options::RenderOptions;
 use crate::stage::Stage;
 use core::f32::consts::FRAC_PI_4;
 use glam::{Vec2, Vec3};
 use hemicube_radiosity::{GatherOptions, Gatherer, Solution};
 use hemicube_raster::Rgb;
+use rayon::prelude::*;
 use std::sync::OnceLock;
 
 /// Slopes of the gathered normals on each ring: tangents of 20°, 40° and 60°. Steeper ones count as 60°.
@@ -30,18 +32,35 @@ const LEAST_SHARE: f32 = 0.05;
 
 /// What was gathered at a vertex, in a frame of its own.
 #[derive(Debug, Clone)]
-struct Fit {
-    right: Vec3,
-    up: Vec3,
-    /// `E / (E(flat) cos θ) - 1` for each ring and direction.
-    changes: [[Rgb; AROUND]; RINGS.len()],
+pub struct TiltFit {
+    /// First axis along the surface: the direction of the first normal on each ring.
+    pub right: Vec3,
+    /// Second axis along the surface.
+    pub up: Vec3,
+    /// `E / (E(flat) cos θ) - 1` for the three rings of [`TiltFit::RINGS`] and eight directions on each, from `right` towards
+    /// `up`.
+    pub changes: [[Rgb; AROUND]; RINGS.len()],
+}
+
+impl TiltFit {
+    /// Slopes of the normals on each ring.
+    pub const RINGS: [f32; 3] = RINGS;
+}
+
+/// Light on tilted normals at some of the drawn mesh's vertices, gathered in parallel: what bumps at a vertex make of its
+/// irradiance.
+pub fn tilt_fits(solution: &Solution, vertices: &[u32]) -> Vec<TiltFit> {
+    let stage = Stage::new(solution, &RenderOptions::default());
+    let light = TiltedLight::new(solution, 0);
+    let fit = |&vertex: &u32| light.fit(&stage, vertex as usize);
+    vertices.par_iter().map(fit).collect()
 }
 
 /// Fits of the drawn mesh's vertices, each made when it is first asked for.
 #[derive(Debug)]
 pub(crate) struct TiltedLight<'a> {
     gatherer: Gatherer<'a>,
-    fits: Vec<OnceLock<Fit>>,
+    fits: Vec<OnceLock<TiltFit>>,
 }
 
 impl<'a> TiltedLight<'a> {
@@ -69,7 +88,7 @@ impl<'a> TiltedLight<'a> {
         ((Rgb::WHITE + change) * cos).map(|band| band.max(0.0))
     }
 
-    fn fit(&self, stage: &Stage<'_>, vertex: usize) -> Fit {
+    fn fit(&self, stage: &Stage<'_>, vertex: usize) -> TiltFit {
         let (point, flat) = (stage.drawn.positions[vertex], stage.drawn.normals[vertex]);
         let (right, up) = flat.any_orthonormal_pair();
         let tilted = |s: Vec2| (right * s.x + up * s.y + flat).normalize();
@@ -79,7 +98,7 @@ impl<'a> TiltedLight<'a> {
         let light = self
             .gatherer
             .irradiance_of_normals(point, flat, own, &normals);
-        Fit {
+        TiltFit {
             right,
             up,
             changes: changes(&light),

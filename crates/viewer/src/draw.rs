@@ -397,6 +397,8 @@ fn options(desk: &Desk, is_smooth: bool) -> DrawOptions {
         .with_tone_map(display.tone_map())
         .with_background(Rgb::splat(0.02 / desk.exposure.max(1e-30)))
         .with_style(style(desk))
+        .with_bumps(display.bumps)
+        .with_reflections(display.reflections)
         .with_smoothing(if is_smooth {
             Smoothing::Multisample
         } else {

@@ -1,11 +1,14 @@
 //! The workspace's chores: `cargo xtask test`.
 
+mod driver;
+
 use std::process::{Command, ExitCode};
 
 const HELP: &str = "\
 The workspace's chores.
 
-  cargo xtask test [ARGS...]   all tests of all crates; ARGS go to `cargo test`
+  cargo xtask test [ARGS...]   all tests of all crates, those of the GPU among them; ARGS go to `cargo test`. Without a
+                               Vulkan driver, installs one that draws in software where it can (as root, with apt)
   cargo xtask check            what a change must pass: format, clippy, documentation, tests, packages
   cargo xtask gallery          draws the README's pictures into assets/ again
 ";
@@ -35,12 +38,12 @@ fn main() -> ExitCode {
 
 /// Everything that `cargo test` finds in the workspace, the examples among it.
 fn test(args: &[&str]) -> bool {
-    // With the GPU and with windows, where there are some: a software driver and a display that nobody sees do.
+    driver::install();
     let all = [
         "test",
         "--workspace",
         "--features",
-        "hemicube-cli/viewer",
+        "hemicube-cli/viewer,hemicube-tests/gpu",
         "--locked",
     ];
     cargo(&[&all, args].concat(), &[])

@@ -1,10 +1,11 @@
 //! Options of view-factor matrices.
 
+use super::gpu::{FactorWay, GpuArgs};
 use super::method::MethodGiven;
 use super::{SceneArgs, parse};
 use clap::Args;
-use hemicube::radiosity::PatchOptions;
 use hemicube::radiosity::form_factor::{FormFactorKind, FormFactorOptions, SurfacesBy};
+use hemicube::radiosity::{PatchOptions, SolveOptions};
 use std::path::PathBuf;
 
 const HELP: &str = "\
@@ -53,16 +54,18 @@ pub struct FactorArgs {
     #[arg(long, value_name = "WHAT", value_parser = parse::choice(&SurfacesBy::ALL, SurfacesBy::name))]
     pub by: Option<SurfacesBy>,
     /// Way to the form factors; only analytic has no noise, but for how what is missing to 1 is split between sky and
-    /// backs, which rays tell [default: analytic]
-    #[arg(long, value_name = "METHOD", value_parser = parse::choice(&FormFactorKind::ALL, FormFactorKind::name))]
-    pub method: Option<FormFactorKind>,
+    /// backs, which rays tell; gpu draws hemicubes and gpu-raycast casts rays on a GPU [default: analytic]
+    #[arg(long, value_name = "METHOD", value_parser = parse::choice(&FactorWay::ALL, FactorWay::name))]
+    pub method: Option<FactorWay>,
+    #[command(flatten)]
+    pub gpu: GpuArgs,
     /// Wanted error of each factor, for analytic; smaller takes longer only where others are in the way [default: 1e-5]
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = parse::error)]
     pub error: Option<f64>,
-    /// Rays over each hemisphere, for raycast and nusselt [default: 4096]
+    /// Rays over each hemisphere, for raycast, gpu-raycast and nusselt [default: 4096]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub rays: Option<u32>,
-    /// Cells along an edge of a hemicube, even, from 16 to 4096, for hemicube and its variants [default: 256]
+    /// Cells along an edge of a hemicube, even, from 16 to 4096, for hemicube, its variants and gpu [default: 256]
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = parse::resolution)]
     pub hemicube_resolution: Option<u32>,
     /// Cut faces until no edge is longer, in scene units, and sum the parts
@@ -83,8 +86,19 @@ pub struct FactorArgs {
 
 impl FactorArgs {
     /// The way to the factors.
+    fn way(&self) -> FactorWay {
+        let analytic = FactorWay::Cpu(FormFactorKind::Analytic);
+        self.method.unwrap_or(analytic)
+    }
+
+    /// Which of the CPU's ways it is, or is the twin of.
     pub fn kind(&self) -> FormFactorKind {
-        self.method.unwrap_or(FormFactorKind::Analytic)
+        self.way().kind()
+    }
+
+    /// Whether the factors come from a GPU.
+    pub fn uses_gpu(&self) -> bool {
+        self.way().uses_gpu()
     }
 
     /// What the ways to form factors need to know; `asked` is the error that the file asks for, which counts if it is
@@ -102,6 +116,17 @@ impl FactorArgs {
             options.hemicube.resolution = resolution;
         }
         options
+    }
+
+    /// The same for a backend.
+    pub fn solve_options(&self, factors: &FormFactorOptions) -> SolveOptions {
+        SolveOptions {
+            form_factors: self.kind(),
+            hemicube: factors.hemicube,
+            rays: factors.raycast.rays,
+            seed: factors.raycast.seed,
+            ..SolveOptions::default()
+        }
     }
 
     /// How faces are cut: patches are as fine as elements, since all are summed in the end.
@@ -125,6 +150,7 @@ impl FactorArgs {
     pub fn misplaced(&self) -> Option<String> {
         let given = MethodGiven {
             kind: self.kind(),
+            name: self.way().name(),
             error: self.error.is_some(),
             rays: self.rays.is_some(),
             resolution: self.hemicube_resolution.is_some(),

@@ -7,6 +7,8 @@ use hemicube::radiosity::form_factor::FormFactorKind as Kind;
 pub struct MethodGiven {
     /// The way in use.
     pub kind: Kind,
+    /// Its name; that of a GPU's way is another than its twin's.
+    pub name: &'static str,
     /// `--error`
     pub error: bool,
     /// `--rays`
@@ -34,7 +36,7 @@ impl MethodGiven {
         Some(format!(
             "{option} is for {chosen_by} {}, not {}; leave one of them out",
             names.join(" or "),
-            self.kind.name()
+            self.name
         ))
     }
 }

@@ -2,6 +2,7 @@
 
 mod environment;
 mod form_factors;
+mod gpu;
 mod method;
 mod parse;
 mod picture;
@@ -12,6 +13,7 @@ pub use environment::{
     CaptureTask, ConvertTask, EnvironmentTask, EnvironmentVerb, InfoTask, TonesArgs,
 };
 pub use form_factors::FormFactorsVerb;
+pub use gpu::GpuArgs;
 pub use picture::{PictureArgs, ProjectionKind};
 pub use scene::SceneArgs;
 pub use solve::{MeshArgs, SolveArgs};
@@ -167,6 +169,7 @@ Examples:
   hemicube render office -o desk.png --camera desk --shading gather --size 480x320
   hemicube render lit.glb -o view.exr --eye 2,1.6,3 --look-at 0,1,0 --fov 70
   hemicube render lit.glb -o all.png --projection panorama --size 2048x1024 --antialias 4x4:bartlett
+  hemicube render lit.glb -o view.png --draw-on gpu --antialias 2x2:bartlett
   hemicube render model.glb -o model.png --sky 1,1,1 --environment '*chrome*' --environment-file sky.hdr
 
 Metals reflect diffusely in the solution. In pictures smooth ones mirror what is around them (--environment), rough ones \

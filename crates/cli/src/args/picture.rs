@@ -41,6 +41,29 @@ impl ProjectionKind {
     }
 }
 
+/// What draws a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DrawOn {
+    /// The CPU.
+    #[default]
+    Cpu,
+    /// A GPU.
+    Gpu,
+}
+
+impl DrawOn {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Cpu, Self::Gpu];
+
+    /// Name of the option's value.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Gpu => "gpu",
+        }
+    }
+}
+
 /// Options of pictures.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Picture")]
@@ -83,6 +106,10 @@ pub struct PictureArgs {
         allow_hyphen_values = true
     )]
     pub antialias: Option<Antialiasing>,
+    /// What draws the picture: cpu, or a gpu that --adapter chooses; it knows no panoramas, fisheyes, jitter and gathering
+    /// [default: cpu]
+    #[arg(long, value_name = "DEVICE", value_parser = parse::choice(&DrawOn::ALL, DrawOn::name))]
+    pub draw_on: Option<DrawOn>,
     /// How textures are read from afar, from quick to good [default: ewa]
     #[arg(long, value_parser = parse::choice(&TextureFilter::ALL, TextureFilter::name))]
     pub texture_filter: Option<TextureFilter>,
@@ -102,6 +129,11 @@ pub struct PictureArgs {
 }
 
 impl PictureArgs {
+    /// Whether a GPU draws the picture.
+    pub fn uses_gpu(&self) -> bool {
+        self.draw_on == Some(DrawOn::Gpu)
+    }
+
     /// Names of the options that were given and concern the view, not how light becomes colour.
     pub fn view_given(&self) -> Vec<&'static str> {
         let all = [
@@ -112,6 +144,7 @@ impl PictureArgs {
             (self.size.is_some(), "--size"),
             (self.shading.is_some(), "--shading"),
             (self.antialias.is_some(), "--antialias"),
+            (self.draw_on.is_some(), "--draw-on"),
             (self.texture_filter.is_some(), "--texture-filter"),
             (!self.environment.is_empty(), "--environment"),
             (self.mirror_roughness.is_some(), "--mirror-roughness"),

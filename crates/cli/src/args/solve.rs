@@ -1,5 +1,6 @@
 //! Options of the mesh and the solver.
 
+use super::gpu::{FactorWay, GpuArgs};
 use super::method::MethodGiven;
 use super::parse;
 use crate::report::{SHARE_OF_MEMORY, free_memory};
@@ -25,42 +26,6 @@ channel):
   southwell           the patch with the largest residual first
   conjugate-gradient  descent; fewest steps in bright rooms";
 
-/// A way to form factors, by its name on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FactorWay {
-    /// One of the CPU's.
-    Cpu(FormFactorKind),
-    /// Hemicubes drawn by a GPU.
-    Gpu,
-}
-
-impl FactorWay {
-    const ALL: [Self; FormFactorKind::ALL.len() + 1] = {
-        let mut all = [Self::Gpu; FormFactorKind::ALL.len() + 1];
-        let mut i = 0;
-        while i < FormFactorKind::ALL.len() {
-            all[i] = Self::Cpu(FormFactorKind::ALL[i]);
-            i += 1;
-        }
-        all
-    };
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Cpu(kind) => kind.name(),
-            Self::Gpu => "gpu",
-        }
-    }
-
-    /// Which of the CPU's ways it is, or is nearest to.
-    fn kind(self) -> FormFactorKind {
-        match self {
-            Self::Cpu(kind) => kind,
-            Self::Gpu => FormFactorKind::Hemicube,
-        }
-    }
-}
-
 /// Options of the mesh and the form factors; each given one overrides the preset of `--quality`.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Mesh and form factors")]
@@ -80,19 +45,15 @@ pub struct MeshArgs {
     /// Patches to aim at instead of a size [default: 400]
     #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = clap::value_parser!(u32).range(1..=parse::MAX_ELEMENTS))]
     pub patches: Option<u32>,
-    /// Way to the form factors; gpu draws hemicubes on a GPU [default: raycast]
+    /// Way to the form factors; gpu draws hemicubes and gpu-raycast casts rays on a GPU [default: raycast]
     #[arg(long, value_name = "METHOD", value_parser = parse::choice(&FactorWay::ALL, FactorWay::name))]
     pub form_factors: Option<FactorWay>,
-    /// GPU for --form-factors gpu, by a part of its name [default: HEMICUBE_ADAPTER, else the best]
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
-    /// Fail where --form-factors gpu finds no GPU, instead of going on with the CPU's hemicubes
-    #[arg(long)]
-    pub require_gpu: bool,
+    #[command(flatten)]
+    pub gpu: GpuArgs,
     /// Cells along an edge of a hemicube, even, 16 to 4096, for --form-factors hemicube, its variants and gpu [default: 256]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::resolution)]
     pub hemicube_resolution: Option<u32>,
-    /// Rays over each hemisphere, for raycast and nusselt, and for the light of sky and sun [default: 256]
+    /// Rays over each hemisphere, for raycast, gpu-raycast and nusselt, and for the light of sky and sun [default: 256]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub rays: Option<u32>,
     /// Seed of all sampling [default: 0]
@@ -162,20 +123,12 @@ impl MeshArgs {
         options.seed = self.seed.unwrap_or(options.seed);
     }
 
-    /// Whether a GPU draws the hemicubes; `before` is the way of the solution that is gone on with.
+    /// Whether the form factors come from a GPU; `before` is the way of the solution that is gone on with.
     pub fn uses_gpu(&self, before: Option<&Provenance>) -> bool {
-        let before = before.is_some_and(|before| before.form_factors.starts_with("gpu"));
+        let before = before.and_then(|before| FactorWay::of_solution(&before.form_factors));
         self.form_factors
-            .map_or(before, |way| way == FactorWay::Gpu)
-    }
-
-    /// The option that was given for a GPU.
-    pub fn gpu_given(&self) -> Option<&'static str> {
-        match (&self.adapter, self.require_gpu) {
-            (Some(_), _) => Some("--adapter"),
-            (None, true) => Some("--require-gpu"),
-            (None, false) => None,
-        }
+            .or(before)
+            .is_some_and(FactorWay::uses_gpu)
     }
 
     /// The option that was given for another way to form factors than the one in use. Light of sky and sun takes rays
@@ -193,6 +146,7 @@ impl MeshArgs {
     fn misplaced_among(&self, kind: FormFactorKind, rays: bool) -> Option<String> {
         let given = MethodGiven {
             kind,
+            name: self.form_factors.map_or(kind.name(), FactorWay::name),
             error: false,
             rays,
             resolution: self.hemicube_resolution.is_some(),
@@ -216,8 +170,8 @@ impl MeshArgs {
         all.extend(names([
             (self.quality.is_some(), "--quality"),
             (self.form_factors.is_some(), "--form-factors"),
-            (self.adapter.is_some(), "--adapter"),
-            (self.require_gpu, "--require-gpu"),
+            (self.gpu.adapter.is_some(), "--adapter"),
+            (self.gpu.require_gpu, "--require-gpu"),
             (self.hemicube_resolution.is_some(), "--hemicube-resolution"),
             (self.rays.is_some(), "--rays"),
         ]));
@@ -226,6 +180,15 @@ impl MeshArgs {
 }
 
 impl SolveArgs {
+    /// The same without the options of GPUs, if only a picture is to follow them.
+    pub fn without_gpu_of_picture(&self, uses_gpu: bool) -> Self {
+        let mut solve = self.clone();
+        if uses_gpu && !solve.mesh.form_factors.is_some_and(FactorWay::uses_gpu) {
+            solve.mesh.gpu = GpuArgs::default();
+        }
+        solve
+    }
+
     /// Options for a scene that is solved afresh.
     pub fn options(&self) -> SolveOptions {
         let mut options = self.mesh.options();
@@ -243,12 +206,8 @@ impl SolveArgs {
         if before.hemicube_resolution > 0 {
             options.hemicube.resolution = before.hemicube_resolution;
         }
-        let mut ways = FormFactorKind::ALL.into_iter();
-        let known = ways.find(|kind| kind.name() == before.form_factors);
-        options.form_factors = match known {
-            None if self.mesh.uses_gpu(Some(before)) => FormFactorKind::Hemicube,
-            known => known.unwrap_or_default(),
-        };
+        let known = FactorWay::of_solution(&before.form_factors);
+        options.form_factors = known.map_or(FormFactorKind::default(), FactorWay::kind);
         let mut solvers = SolverKind::ALL.into_iter();
         let known = solvers.find(|kind| kind.name() == before.solver);
         options.solver = known.unwrap_or_default();

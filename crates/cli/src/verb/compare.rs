@@ -2,7 +2,7 @@
 
 use super::{note, refuse_misplaced};
 use crate::args::{CompareVerb, GlobalArgs};
-use crate::backend::chosen;
+use crate::backend::{FORM_FACTORS, chosen};
 use crate::failure::Failure;
 use crate::input::Input;
 use crate::interrupt;
@@ -44,6 +44,11 @@ pub fn run(args: &CompareVerb, global: GlobalArgs, start: Instant) -> Result<(),
         return Err(Failure::Usage(format!(
             "{} without a picture; name one with -o FILE.png",
             args.picture.view_given().join(", ")
+        )));
+    }
+    if args.picture.uses_gpu() {
+        return Err(Failure::Usage(String::from(
+            "--draw-on gpu: variants are drawn by the CPU; leave it out",
         )));
     }
     let scene = Input::open(&args.scene)?.into_scene(&args.scene_options)?;
@@ -118,7 +123,12 @@ impl Comparison {
             error => error.into(),
         })?;
         let mesh = start.mesh().clone();
-        let backend = chosen(&args.mesh, args.mesh.uses_gpu(None), global.quiet)?;
+        let backend = chosen(
+            &args.mesh.gpu,
+            args.mesh.uses_gpu(None),
+            FORM_FACTORS,
+            global.quiet,
+        )?;
         let factors = backend.form_factors(mesh, &options)?;
         let factors = Cached::new(factors, ROW_BUDGET);
         let bar = Bar::new("comparing", global.quiet);

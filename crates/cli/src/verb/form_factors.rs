@@ -2,6 +2,7 @@
 
 use super::note;
 use crate::args::{FormFactorsVerb, GlobalArgs};
+use crate::backend::chosen;
 use crate::failure::{Failure, one_line};
 use crate::input::Input;
 use crate::interrupt;
@@ -81,7 +82,10 @@ struct Computed {
     matrix: ViewFactorMatrix,
     surfaces: Surfaces,
     by: SurfacesBy,
-    method: FormFactorKind,
+    /// Name of the way to the factors.
+    method: String,
+    /// Which of the CPU's ways it is, or is the twin of.
+    kind: FormFactorKind,
     rays_per_hemisphere: u32,
     seed: u64,
     error: f64,
@@ -116,7 +120,7 @@ impl Computed {
             )));
         }
         let error = asked.as_ref().and_then(|asked| asked.error);
-        let (kind, options) = (factors.kind(), factors.options(error));
+        let kind = factors.kind();
         let bar = Bar::new("factors", global.quiet);
         let stop = || {
             bar.count(mesh.patches().len());
@@ -131,9 +135,16 @@ impl Computed {
                 storage.storage = Storage::Dense;
             }
         }
-        let way = kind.build(mesh.clone(), &options)?;
+        let backend = chosen(&factors.gpu, factors.uses_gpu(), "--method", global.quiet)?;
+        let options = factors.options(error);
+        let way = if factors.uses_gpu() {
+            backend.form_factors(mesh.clone(), &factors.solve_options(&options))?
+        } else {
+            kind.build(mesh.clone(), &options)?
+        };
         let matrix = ViewFactorMatrix::build_by(&*way, &surfaces, storage, &stop)?;
         bar.finish();
+        backend.verdict()?;
         if interrupt::asked() {
             return Err(Failure::Interrupted);
         }
@@ -153,7 +164,12 @@ impl Computed {
             mesh,
             surfaces,
             by,
-            method: kind,
+            method: if factors.uses_gpu() {
+                backend.name(&factors.solve_options(&options))
+            } else {
+                kind.name().to_owned()
+            },
+            kind,
             rays_per_hemisphere: options.raycast.rays,
             seed: options.raycast.seed,
             error: options.analytic.error,
@@ -230,15 +246,16 @@ impl Computed {
 
     /// How it was computed, in words.
     fn way(&self) -> String {
-        match self.method {
+        match self.kind {
             FormFactorKind::RayCast => format!(
-                "raycast with {} rays, seed {}: {} rays",
+                "{} with {} rays, seed {}: {} rays",
+                self.method,
                 self.rays_per_hemisphere,
                 self.seed,
                 grouped(self.rays)
             ),
             FormFactorKind::Analytic => format!("analytic, error {:.0e}", self.error),
-            method => method.name().to_owned(),
+            _ => self.method.clone(),
         }
     }
 
@@ -377,9 +394,9 @@ sky       {} of all, at most {} of '{}'
             "program": concat!("hemicube ", env!("CARGO_PKG_VERSION")),
             "scene": self.mesh.scene().name,
             "by": self.by.name(),
-            "method": self.method.name(),
-            "rays_per_hemisphere": (self.method == FormFactorKind::RayCast).then_some(self.rays_per_hemisphere),
-            "error": (self.method == FormFactorKind::Analytic).then_some(self.error),
+            "method": self.method,
+            "rays_per_hemisphere": (self.kind == FormFactorKind::RayCast).then_some(self.rays_per_hemisphere),
+            "error": (self.kind == FormFactorKind::Analytic).then_some(self.error),
             "seed": self.seed,
             "rays": self.rays,
             "sampled_pairs": self.sampled_pairs,

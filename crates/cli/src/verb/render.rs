@@ -11,16 +11,17 @@ use std::time::Instant;
 /// Draws the picture.
 pub fn run(args: &RenderVerb, global: GlobalArgs, start: Instant) -> Result<(), Failure> {
     let target = Target::check(&args.output, ENDINGS)?;
+    let solve = args.solve.without_gpu_of_picture(args.picture.uses_gpu());
     let solution = solution_of(
         &args.scene,
-        &args.solve,
+        &solve,
         &args.scene_options,
         global,
         start,
         |scene| check(scene, &args.picture),
     )?;
     let view = View::new(&solution, &args.picture)?;
-    let mirrors = view.draw(&solution, &target, global)?;
+    let mirrors = view.draw(&solution, &target, &args.solve.mesh.gpu, global)?;
     let file = target.path.display().to_string();
     let (width, height) = view.size();
     if global.json {

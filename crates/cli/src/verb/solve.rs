@@ -46,8 +46,9 @@ pub fn run(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<(), F
 }
 
 fn solve(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<Solved, Failure> {
+    let of_solver = args.solve.without_gpu_of_picture(args.picture.uses_gpu());
     let watch =
-        Watch::new(&args.solve, global.quiet, start).with_history(args.convergence.is_some());
+        Watch::new(&of_solver, global.quiet, start).with_history(args.convergence.is_some());
     let Some(lit) = &args.resume else {
         let path = args
             .scene
@@ -205,7 +206,8 @@ impl Targets {
             target.write(&lit_glb::write(solution, &options)?)?;
         }
         if let Some(target) = &self.image {
-            picture::View::new(solution, &args.picture)?.draw(solution, target, global)?;
+            let gpu = &args.solve.mesh.gpu;
+            picture::View::new(solution, &args.picture)?.draw(solution, target, gpu, global)?;
         }
         if let (Some(target), Some(history)) = (&self.convergence, &solved.history) {
             history.write(solution, target)?;

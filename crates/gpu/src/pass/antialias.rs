@@ -156,6 +156,7 @@ impl FilterPass {
                 module,
                 vertex: "screen",
                 fragment,
+                constants: &[],
                 layouts: &[layout],
                 buffers: &[],
                 is_strip: false,

@@ -65,6 +65,7 @@ impl FalseColourPass {
                 module,
                 vertex: "vertex",
                 fragment,
+                constants: &[],
                 layouts: &layouts,
                 buffers: &surface_buffers(),
                 is_strip: false,
@@ -81,9 +82,7 @@ impl FalseColourPass {
     /// Its bindings.
     pub(crate) fn bindings(&self, context: &Context, field: Field<'_>) -> BindGroup {
         let (params, colors) = match field {
-            Field::Illuminance(paint, units, scale) => {
-                (params(paint, units, scale), table(paint))
-            }
+            Field::Illuminance(paint, units, scale) => (params(paint, units, scale), table(paint)),
             Field::Plain(color) => {
                 let params = twins::FieldParams {
                     missing: padded(color),

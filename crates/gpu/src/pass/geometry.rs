@@ -8,11 +8,13 @@ use crate::buffer::filled;
 use crate::context::Context;
 use crate::error::GpuError;
 use crate::hemicube::count;
+use crate::pass::bump::ReliefMesh;
 use crate::pass::light::VertexSources;
 use core::ops::Range;
 use glam::Vec3;
 use hemicube_radiosity::drawn::{DrawnMesh, DrawnPart};
 use hemicube_radiosity::{PatchMesh, Solution};
+use hemicube_render::{TangentFrame, Tangents};
 use hemicube_scene::{AlphaMode, Material};
 use hemicube_shaders::surface as twins;
 use std::collections::HashMap;
@@ -66,23 +68,25 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    /// Puts a drawn mesh on the device, and tells where its vertices take their light from.
+    /// Puts a drawn mesh on the device, and tells where its vertices take their light from and which have reliefs.
     pub(crate) fn new(
         context: &Context,
         solution: &Solution,
         drawn: &DrawnMesh,
-    ) -> Result<(Self, VertexSources), GpuError> {
+    ) -> Result<(Self, VertexSources, ReliefMesh), GpuError> {
         let mesh = solution.mesh();
         let scene = mesh.scene();
         let cover = |part: &DrawnPart| Cover::of(&scene.materials[part.material]);
         let mut parts: Vec<usize> = (0..drawn.parts.len()).collect();
         parts.sort_by_key(|&p| (cover(&drawn.parts[p]), drawn.parts[p].material));
         let mut layout = Layout::new(drawn);
+        let tangents = Tangents::new(mesh, drawn);
+        let firsts = first_triangles(drawn);
         let mut runs = Vec::new();
         for number in parts {
             let part = &drawn.parts[number];
             let first = 3 * layout.triangles.len();
-            layout.add_part(drawn, part);
+            layout.add_part(drawn, part, (&tangents, firsts[number]));
             runs.push(Run {
                 part: number,
                 material: part.material,
@@ -95,11 +99,21 @@ impl Geometry {
         let largest = context.limits.max_buffer_size;
         let bytes = size_of_val(layout.vertices.as_slice()) as u64;
         context.allow("vertices", bytes, largest, "bytes")?;
-        context.allow("edges", size_of_val(edges.as_slice()) as u64, largest, "bytes")?;
+        context.allow(
+            "edges",
+            size_of_val(edges.as_slice()) as u64,
+            largest,
+            "bytes",
+        )?;
         let device = &context.device;
         let buffer = |label, data: &[u32]| filled(device, label, data, BufferUsages::INDEX);
         let geometry = Self {
-            vertices: filled(device, "vertices", &some(&layout.vertices), BufferUsages::VERTEX),
+            vertices: filled(
+                device,
+                "vertices",
+                &some(&layout.vertices),
+                BufferUsages::VERTEX,
+            ),
             indices: buffer("triangles", some(&layout.triangles).as_flattened()),
             runs,
             edges: filled(device, "edges", &some(&edges), BufferUsages::VERTEX),
@@ -107,7 +121,8 @@ impl Geometry {
             positions: layout.vertices.iter().map(|v| v.position.into()).collect(),
             order: layout.triangles,
         };
-        Ok((geometry, sources(mesh, drawn, &layout.origins)))
+        let sources = sources(mesh, drawn, &layout.origins);
+        Ok((geometry, sources, layout.reliefs))
     }
 
     /// Draws edges, with the pipeline and the bindings that are set.
@@ -126,6 +141,17 @@ fn some<T: bytemuck::Zeroable + Copy>(items: &[T]) -> Vec<T> {
     }
 }
 
+/// For each part the number of its first triangle among all.
+fn first_triangles(drawn: &DrawnMesh) -> Vec<u32> {
+    let mut next = 0;
+    let first = |part: &DrawnPart| {
+        let first = next;
+        next += count(part.triangles.len());
+        first
+    };
+    drawn.parts.iter().map(first).collect()
+}
+
 /// No triangle begins with a vertex yet.
 const UNCLAIMED: u32 = u32::MAX;
 
@@ -139,6 +165,7 @@ struct Layout {
     shared: Vec<u32>,
     /// The element whose triangles begin with each vertex.
     claims: Vec<u32>,
+    reliefs: ReliefMesh,
 }
 
 impl Layout {
@@ -149,16 +176,53 @@ impl Layout {
             triangles: Vec::new(),
             shared: vec![UNCLAIMED; drawn.positions.len()],
             claims: Vec::new(),
+            reliefs: ReliefMesh::default(),
         }
     }
 
-    fn add_part(&mut self, drawn: &DrawnMesh, part: &DrawnPart) {
+    /// Adds a part whose first triangle has this number among all.
+    fn add_part(
+        &mut self,
+        drawn: &DrawnMesh,
+        part: &DrawnPart,
+        (tangents, first): (&Tangents, u32),
+    ) {
         let material = count(part.material);
-        for (&corners, &element) in part.triangles.iter().zip(&part.elements) {
+        let triangles = part.triangles.iter().zip(&part.elements);
+        for (number, (&corners, &element)) in (first..).zip(triangles) {
+            if let Some(frame) = tangents.of_triangle(number) {
+                self.add_relief(drawn, (corners, element), material, frame);
+                continue;
+            }
             let vertices = corners.map(|c| self.shared_vertex(drawn, c, material));
             let turned = self.claimed(vertices, element);
             self.triangles.push(turned);
         }
+    }
+
+    /// Adds a triangle with a relief: it has vertices of its own, which know which corners they are.
+    fn add_relief(
+        &mut self,
+        drawn: &DrawnMesh,
+        (corners, element): ([u32; 3], u32),
+        material: u32,
+        frame: &TangentFrame,
+    ) {
+        let triangle = self.reliefs.add(corners);
+        let turned = if frame.is_turned {
+            twins::CORNER_TURNED
+        } else {
+            0
+        };
+        let vertices = [0, 1, 2].map(|i| {
+            let own = self.push(drawn, corners[i], material);
+            self.claim(own, element);
+            let vertex = &mut self.vertices[own as usize];
+            vertex.tangent = frame.corners[i].to_array();
+            vertex.corner = count(i) | turned | triangle << twins::CORNER_TRIANGLE_SHIFT;
+            own
+        });
+        self.triangles.push(vertices);
     }
 
     /// The vertex that all triangles share.
@@ -191,7 +255,9 @@ impl Layout {
         let turns = [[a, b, c], [b, c, a], [c, a, b]];
         let is = |wanted: u32| {
             let claims = &self.claims;
-            turns.iter().find(move |turn| claims[turn[0] as usize] == wanted)
+            turns
+                .iter()
+                .find(move |turn| claims[turn[0] as usize] == wanted)
         };
         if let Some(&turn) = is(element).or_else(|| is(UNCLAIMED)) {
             self.claim(turn[0], element);

@@ -33,7 +33,16 @@ impl LightPass {
             device,
             "vertex light",
             ShaderStages::COMPUTE,
-            &[uniform(false), reads, reads, writes, reads, reads, reads, writes],
+            &[
+                uniform(false),
+                reads,
+                reads,
+                writes,
+                reads,
+                reads,
+                reads,
+                writes,
+            ],
         );
         let shader = module(device, &twins::VERTEX_LIGHT);
         Self {
@@ -90,9 +99,19 @@ impl SurfaceLight {
         let channels = solution.groups().len() * BANDS;
         let largest = context.limits.max_storage_buffer_binding_size;
         let bytes = |items: usize, size: usize| (items * size) as u64;
-        context.allow("light of elements", bytes(channels * elements, 4), largest, "bytes")?;
+        context.allow(
+            "light of elements",
+            bytes(channels * elements, 4),
+            largest,
+            "bytes",
+        )?;
         context.allow("vertices", bytes(from.ranges.len(), 16), largest, "bytes")?;
-        context.allow("elements around vertices", bytes(from.elements.len(), 4), largest, "bytes")?;
+        context.allow(
+            "elements around vertices",
+            bytes(from.elements.len(), 4),
+            largest,
+            "bytes",
+        )?;
         let params = twins::LightParams {
             elements: count(elements),
             vertices: count(from.ranges.len()),
@@ -123,10 +142,22 @@ impl SurfaceLight {
             BufferUsages::STORAGE | BufferUsages::VERTEX | BufferUsages::COPY_SRC,
         );
         let all = [
-            &params_buffer, &solved, &dims, &element_light, &areas, &ranges, &sources, &vertex_light,
+            &params_buffer,
+            &solved,
+            &dims,
+            &element_light,
+            &areas,
+            &ranges,
+            &sources,
+            &vertex_light,
         ];
         let light = Self {
-            bindings: bind(device, "vertex light", &pass.layout, &all.map(Buffer::as_entire_binding)),
+            bindings: bind(
+                device,
+                "vertex light",
+                &pass.layout,
+                &all.map(Buffer::as_entire_binding),
+            ),
             element_dims: buffer("dims of elements", per_element),
             params,
             params_buffer,

@@ -25,6 +25,33 @@ pub(crate) struct Pixels {
     pub(crate) samples: u32,
 }
 
+/// What a pipeline over surfaces is made for: the shader contains nothing else.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub(crate) struct Variant {
+    /// Slots that have textures, a bit for each.
+    pub(crate) slots: u8,
+    /// `RELIEF_*`.
+    pub(crate) relief: u8,
+    /// Whether EWA is read from afar.
+    pub(crate) ewa: bool,
+    /// `MAGNIFY_*`.
+    pub(crate) magnify: u8,
+}
+
+impl Variant {
+    /// Values of the overrides of the shader, as far as it has them.
+    fn constants(self, shader: &Shader) -> Vec<(&'static str, f64)> {
+        let all = [
+            ("SLOTS", self.slots.into()),
+            ("RELIEF", self.relief.into()),
+            ("EWA", f64::from(u8::from(self.ewa))),
+            ("MAGNIFY", self.magnify.into()),
+        ];
+        let has = |name: &str| shader.source.contains(&format!("override {name}:"));
+        all.into_iter().filter(|(name, _)| has(name)).collect()
+    }
+}
+
 /// The first bindings of all passes over surfaces: view, materials, light and dims of elements.
 pub(crate) fn scene_layout(context: &Context) -> BindGroupLayout {
     layout(
@@ -39,7 +66,8 @@ pub(crate) fn scene_layout(context: &Context) -> BindGroupLayout {
 #[derive(Debug)]
 pub(crate) struct SurfacePass {
     label: &'static str,
-    pipelines: Pipelines<(Stage, Pixels)>,
+    shader: &'static Shader,
+    pipelines: Pipelines<(Stage, Pixels, Variant)>,
     layouts: Vec<BindGroupLayout>,
 }
 
@@ -51,6 +79,7 @@ impl SurfacePass {
     ) -> Self {
         Self {
             label,
+            shader,
             pipelines: Pipelines::new(shader),
             layouts: layouts.iter().copied().cloned().collect(),
         }
@@ -67,6 +96,7 @@ impl SurfacePass {
         context: &Context,
         stage: Stage,
         pixels: Pixels,
+        variant: Variant,
     ) -> RenderPipeline {
         let (fragment, depth, blend) = match stage {
             Stage::Opaque => ("opaque", Depth::TestAndWrite, Blend::Replace),
@@ -75,12 +105,16 @@ impl SurfacePass {
         };
         let (label, device) = (self.label, &context.device);
         let layouts: Vec<&BindGroupLayout> = self.layouts.iter().collect();
-        self.pipelines.get(device, (stage, pixels), |module| {
+        let shader = self.shader;
+        let key = (stage, pixels, variant);
+        self.pipelines.get(device, key, |module| {
+            let constants = variant.constants(shader);
             let options = PipelineOptions {
                 label,
                 module,
                 vertex: "vertex",
                 fragment,
+                constants: &constants,
                 layouts: &layouts,
                 buffers: &surface_buffers(),
                 is_strip: false,

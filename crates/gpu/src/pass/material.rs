@@ -35,10 +35,10 @@ fn twin(scene: &Scene, material: &Material) -> twins::Material {
         AlphaMode::Mask { cutoff } => (cutoff, twins::MATERIAL_MASK),
         AlphaMode::Blend => (0.0, twins::MATERIAL_BLEND),
     };
-    let (relief, kind) = match material.relief.map(|relief| relief.kind) {
-        None => (0.0, 0),
-        Some(ReliefKind::Normal { scale }) => (scale, twins::MATERIAL_NORMALS),
-        Some(ReliefKind::Height { depth }) => (depth, twins::MATERIAL_HEIGHTS),
+    let relief = match material.relief.map(|relief| relief.kind) {
+        None => 0.0,
+        Some(ReliefKind::Normal { scale }) => scale,
+        Some(ReliefKind::Height { depth }) => depth,
     };
     let [r, g, b] = material.base_color.to_array();
     let emission = if material.emits() {
@@ -54,7 +54,7 @@ fn twin(scene: &Scene, material: &Material) -> twins::Material {
         roughness: material.roughness,
         transmission: material.transmission,
         cutoff,
-        flags: alpha | kind,
+        flags: alpha,
         relief_size: relief_size(scene, material),
         relief,
         padding: 0,
@@ -90,7 +90,7 @@ fn slot_twin(scene: &Scene, material: &Material, slot: Option<TextureSlot>) -> t
         Wrap::MirroredRepeat => 1,
         Wrap::ClampToEdge => 2,
     };
-    let mut flags = twins::SLOT_PRESENT | set;
+    let mut flags = set;
     flags |= rule(texture.wrap[0]) << twins::SLOT_WRAP_U_SHIFT;
     flags |= rule(texture.wrap[1]) << twins::SLOT_WRAP_V_SHIFT;
     if texture.magnify == Magnify::Nearest {

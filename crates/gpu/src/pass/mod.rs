@@ -5,18 +5,26 @@
 //! Each file is a pass or what passes share; a pass makes its pipelines once, at their first use.
 
 mod antialias;
+mod bump;
+mod cube;
+mod draw;
+mod environment;
 mod falsecolour;
 mod geometry;
 mod layers;
 mod light;
 mod lit;
+mod map;
 mod material;
 mod options;
 mod overlay;
 mod passes;
 mod pick;
 mod pipeline;
+mod readback;
+mod reflections;
 mod surfaces;
+mod surroundings;
 mod target;
 mod textured;
 mod textures;
@@ -24,6 +32,7 @@ mod tonemap;
 mod view;
 mod walkthrough;
 
+pub use environment::Lookup;
 pub use options::{DrawOptions, Interpolation, Smoothing, Style};
 pub use overlay::MeshLines;
 pub use target::Target;

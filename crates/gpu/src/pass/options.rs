@@ -50,6 +50,10 @@ pub struct DrawOptions {
     pub interpolation: Interpolation,
     /// How textures are read. Default value: EWA from afar, bilinear close up.
     pub filtering: TextureFiltering,
+    /// Whether normal maps and heights turn normals. Default value: true.
+    pub bumps: bool,
+    /// Whether what mirrors does, where maps were taken. Default value: true.
+    pub reflections: bool,
     /// Samples of a pixel. Default value: multisampling.
     pub smoothing: Smoothing,
     /// Factor on all light: 1 leaves radiance 1 at display white without a curve. Default value: 1.
@@ -68,6 +72,8 @@ impl Default for DrawOptions {
             style: Style::default(),
             interpolation: Interpolation::default(),
             filtering: TextureFiltering::default(),
+            bumps: true,
+            reflections: true,
             smoothing: Smoothing::default(),
             exposure: 1.0,
             tone_map: ToneMap::default(),
@@ -94,6 +100,19 @@ impl DrawOptions {
     /// Another way of reading textures.
     pub fn with_filtering(self, filtering: TextureFiltering) -> Self {
         Self { filtering, ..self }
+    }
+
+    /// With or without bumps.
+    pub fn with_bumps(self, bumps: bool) -> Self {
+        Self { bumps, ..self }
+    }
+
+    /// With or without mirrors.
+    pub fn with_reflections(self, reflections: bool) -> Self {
+        Self {
+            reflections,
+            ..self
+        }
     }
 
     /// More or fewer samples of a pixel.

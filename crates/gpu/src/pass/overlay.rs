@@ -5,8 +5,8 @@ use crate::context::Context;
 use crate::pass::geometry::edge_buffers;
 use crate::pass::lit::Pixels;
 use crate::pass::pipeline::{Blend, Depth, PipelineOptions, Pipelines, render};
-use hemicube_raster::Rgb;
 use crate::pass::tonemap::Tones;
+use hemicube_raster::Rgb;
 use hemicube_raster::tonemap::ToneMap;
 use hemicube_shaders::surface as twins;
 use wgpu::{BindGroup, BindGroupLayout, BufferUsages, RenderPipeline, ShaderStages};
@@ -78,6 +78,7 @@ impl OverlayPass {
                 module,
                 vertex: "line_vertex",
                 fragment: "line_fragment",
+                constants: &[],
                 layouts: &layouts,
                 buffers: &edge_buffers(),
                 is_strip: true,

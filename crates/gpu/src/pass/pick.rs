@@ -32,6 +32,7 @@ impl PickPass {
                 module,
                 vertex: "vertex",
                 fragment: "pick",
+                constants: &[],
                 layouts: &[scene],
                 buffers: &surface_buffers(),
                 is_strip: false,

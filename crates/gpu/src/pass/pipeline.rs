@@ -5,8 +5,8 @@ use hemicube_shaders::Shader;
 use std::collections::HashMap;
 use std::hash::Hash;
 use wgpu::{
-    BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, Device, RenderPipeline,
-    TextureFormat, VertexBufferLayout,
+    BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, Device,
+    RenderPipeline, TextureFormat, VertexBufferLayout,
 };
 
 /// Format of depth. Depth is reversed, 1 near and 0 far, which floats resolve evenly.
@@ -63,6 +63,8 @@ pub(crate) struct PipelineOptions<'a> {
     pub(crate) module: &'a wgpu::ShaderModule,
     pub(crate) vertex: &'a str,
     pub(crate) fragment: &'a str,
+    /// Values of the fragment stage's overrides.
+    pub(crate) constants: &'a [(&'a str, f64)],
     pub(crate) layouts: &'a [&'a BindGroupLayout],
     pub(crate) buffers: &'a [VertexBufferLayout<'a>],
     pub(crate) is_strip: bool,
@@ -117,7 +119,10 @@ pub(crate) fn render(device: &Device, options: &PipelineOptions<'_>) -> RenderPi
         fragment: Some(wgpu::FragmentState {
             module: options.module,
             entry_point: Some(options.fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: options.constants,
+                ..Default::default()
+            },
             targets: &[Some(wgpu::ColorTargetState {
                 format: options.format,
                 blend: options.blend.state(),

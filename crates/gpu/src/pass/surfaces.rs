@@ -3,10 +3,11 @@
 use crate::buffer::{bind, filled};
 use crate::context::Context;
 use crate::error::GpuError;
-use crate::pass::geometry::{Cover, Geometry, Run};
+use crate::pass::bump::Reliefs;
+use crate::pass::geometry::{Cover, Geometry};
 use crate::pass::layers::Layers;
 use crate::pass::light::SurfaceLight;
-use crate::pass::lit::{Pixels, Stage};
+use crate::pass::lit::{Pixels, Stage, Variant};
 use crate::pass::material::{materials, slots};
 use crate::pass::passes::Passes;
 use crate::pass::textured::{MaterialTextures, TextureFiltering};
@@ -18,13 +19,30 @@ use hemicube_shaders::surface as twins;
 use std::sync::Arc;
 use wgpu::{BindGroup, Buffer, BufferUsages, RenderPass};
 
-/// Which pass draws a run.
+/// How surfaces are drawn.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct How {
+    pub(crate) pixels: Pixels,
+    pub(crate) filtering: TextureFiltering,
+    /// Whether reliefs turn normals.
+    pub(crate) bumps: bool,
+    /// Whether what mirrors does.
+    pub(crate) reflections: bool,
+    /// An instance that is left out.
+    pub(crate) without: Option<usize>,
+}
+
+/// What draws a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum Drawn {
     /// Without textures.
     Lit,
-    /// With textures.
-    Textured,
+    /// With those of a material.
+    Textured(usize),
+    /// And its relief.
+    Bumped(usize),
+    /// And as a mirror that shows a map.
+    Mirroring(usize, usize),
 }
 
 /// The surfaces of a scene on the device.
@@ -36,8 +54,11 @@ pub(crate) struct Surfaces {
     scene: Arc<Scene>,
     materials: Buffer,
     textures: MaterialTextures,
-    /// What draws each run.
-    kinds: Vec<Kind>,
+    pub(crate) reliefs: Reliefs,
+    /// Maps of mirrors.
+    mirrors: Vec<BindGroup>,
+    /// For each part of the drawn mesh the map that it mirrors.
+    mirror_of_parts: Vec<Option<usize>>,
 }
 
 impl Surfaces {
@@ -52,24 +73,32 @@ impl Surfaces {
     ) -> Result<Self, GpuError> {
         let scene = solution.mesh().scene().clone();
         let drawn = DrawnMesh::new(solution, Rgb::BLACK);
-        let (geometry, sources) = Geometry::new(context, solution, &drawn)?;
+        let (geometry, sources, reliefs) = Geometry::new(context, solution, &drawn)?;
+        let light = SurfaceLight::new(context, &passes.light, solution, &sources)?;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-        let kind = |run: &Run| {
-            let textures = slots(&scene.materials[run.material]);
-            match textures.iter().any(Option::is_some) {
-                true => Kind::Textured,
-                false => Kind::Lit,
-            }
-        };
         Ok(Self {
-            light: SurfaceLight::new(context, &passes.light, solution, &sources)?,
             bounds: Bounds::of(geometry.positions.iter().copied()),
             materials: filled(&context.device, "materials", &materials(&scene), usage),
             textures: MaterialTextures::new(context, &scene)?,
-            kinds: geometry.runs.iter().map(kind).collect(),
+            reliefs: Reliefs::new(
+                context,
+                &passes.bump.layout,
+                reliefs,
+                &drawn.normals,
+                &light.vertex_light,
+            ),
+            mirrors: Vec::new(),
+            mirror_of_parts: vec![None; drawn.parts.len()],
+            light,
             geometry,
             scene,
         })
+    }
+
+    /// Which parts of the drawn mesh mirror which maps from now on.
+    pub(crate) fn set_mirrors(&mut self, mirrors: Vec<BindGroup>, of_parts: &[Option<usize>]) {
+        self.mirrors = mirrors;
+        self.mirror_of_parts = of_parts.to_vec();
     }
 
     /// Takes over the factors of a scene's materials.
@@ -125,35 +154,38 @@ impl Surfaces {
         runs.map(|run| run.indices.end).max().unwrap_or(0)
     }
 
-    /// Draws all surfaces as they are lit: what hides first, then what lets light through from the farthest on.
-    pub(crate) fn draw(
+    /// Draws all surfaces as they are lit that hide what is behind.
+    pub(crate) fn draw_solid_lit(
         &mut self,
         context: &Context,
         passes: &mut Passes,
         pass: &mut RenderPass<'_>,
-        (pixels, filtering): (Pixels, TextureFiltering),
-        camera: &Camera,
+        how: How,
     ) {
         self.set_buffers(pass);
         let mut run = 0;
         while run < self.geometry.runs.len() {
             let of = self.geometry.runs[run].clone();
-            if of.cover == Cover::Solid {
-                let last = self.last_alike(run);
-                self.set_run(context, passes, pass, run, Stage::Opaque, (pixels, filtering));
+            let is_drawn = of.cover == Cover::Solid && how.without != Some(of.instance);
+            if is_drawn {
+                let last = self.last_alike(run, how);
+                self.set_run(context, passes, pass, (run, Stage::Opaque), how);
                 let end = self.geometry.runs[last].indices.end;
                 pass.draw_indexed(of.indices.start..end, 0, 0..1);
                 run = last;
             }
             run += 1;
         }
-        self.draw_layers(context, passes, pass, (pixels, filtering), camera);
     }
 
     /// Draws all solid surfaces with the pipeline and the bindings that are set.
     pub(crate) fn draw_solid(&self, pass: &mut RenderPass<'_>) {
         self.set_buffers(pass);
-        let solid = self.geometry.runs.iter().filter(|run| run.cover == Cover::Solid);
+        let solid = self
+            .geometry
+            .runs
+            .iter()
+            .filter(|run| run.cover == Cover::Solid);
         let end = solid.map(|run| run.indices.end).max().unwrap_or(0);
         pass.draw_indexed(0..end, 0, 0..1);
     }
@@ -164,26 +196,39 @@ impl Surfaces {
     }
 
     /// The last of the neighbours of a solid run that one call can draw together with it.
-    fn last_alike(&self, first: usize) -> usize {
+    fn last_alike(&self, first: usize, how: How) -> usize {
         let runs = &self.geometry.runs;
+        let drawn = self.drawn(first, how);
         let is_alike = |&next: &usize| {
-            let same_textures = runs[next].material == runs[first].material;
-            runs[next].cover == Cover::Solid
-                && self.kinds[next] == self.kinds[first]
-                && (self.kinds[first] == Kind::Lit || same_textures)
+            let of = &runs[next];
+            of.cover == Cover::Solid
+                && how.without != Some(of.instance)
+                && self.drawn(next, how) == drawn
         };
-        (first + 1..runs.len())
-            .take_while(is_alike)
-            .last()
-            .unwrap_or(first)
+        let alike = (first + 1..runs.len()).take_while(is_alike);
+        alike.last().unwrap_or(first)
     }
 
-    fn draw_layers(
+    /// What draws a run.
+    fn drawn(&self, run: usize, how: How) -> Drawn {
+        let run = &self.geometry.runs[run];
+        let material = &self.scene.materials[run.material];
+        let mirror = self.mirror_of_parts.get(run.part).copied().flatten();
+        match mirror.filter(|&map| how.reflections && map < self.mirrors.len()) {
+            Some(map) => Drawn::Mirroring(run.material, map),
+            None if how.bumps && material.relief.is_some() => Drawn::Bumped(run.material),
+            None if slots(material).iter().any(Option::is_some) => Drawn::Textured(run.material),
+            None => Drawn::Lit,
+        }
+    }
+
+    /// Draws what lets light through, from the farthest on.
+    pub(crate) fn draw_layers(
         &mut self,
         context: &Context,
         passes: &mut Passes,
         pass: &mut RenderPass<'_>,
-        how: (Pixels, TextureFiltering),
+        how: How,
         camera: &Camera,
     ) {
         let layers = Layers::new(&self.geometry, camera);
@@ -192,10 +237,14 @@ impl Surfaces {
         }
         let indices = layers.triangles.as_flattened();
         let buffer = filled(&context.device, "layers", indices, BufferUsages::INDEX);
+        self.set_buffers(pass);
         pass.set_index_buffer(buffer.slice(..), wgpu::IndexFormat::Uint32);
         for (run, range) in &layers.ranges {
+            if how.without == Some(self.geometry.runs[*run].instance) {
+                continue;
+            }
             for stage in [Stage::Through, Stage::Own] {
-                self.set_run(context, passes, pass, *run, stage, how);
+                self.set_run(context, passes, pass, (*run, stage), how);
                 pass.draw_indexed(range.clone(), 0, 0..1);
             }
         }
@@ -207,21 +256,34 @@ impl Surfaces {
         context: &Context,
         passes: &mut Passes,
         pass: &mut RenderPass<'_>,
-        run: usize,
-        stage: Stage,
-        (pixels, filtering): (Pixels, TextureFiltering),
+        (run, stage): (usize, Stage),
+        how: How,
     ) {
-        match self.kinds[run] {
-            Kind::Lit => pass.set_pipeline(&passes.lit.pipeline(context, stage, pixels)),
-            Kind::Textured => {
-                let textured = &mut passes.textured;
-                pass.set_pipeline(&textured.pipelines.pipeline(context, stage, pixels));
-                let material = self.geometry.runs[run].material;
-                let layout = &textured.layout;
-                let textures = &mut self.textures;
-                let bound = textures.of(context, layout, &self.scene, material, filtering);
-                pass.set_bind_group(1, &bound, &[]);
-            }
+        let drawn = self.drawn(run, how);
+        let (pipelines, material) = match drawn {
+            Drawn::Lit => (&mut passes.lit, None),
+            Drawn::Textured(of) => (&mut passes.textured.pipelines, Some(of)),
+            Drawn::Bumped(of) => (&mut passes.bump.pipelines, Some(of)),
+            Drawn::Mirroring(of, _) => (&mut passes.environment.pipelines, Some(of)),
+        };
+        let materials = &self.scene.materials;
+        let mut variant =
+            material.map_or_else(Variant::default, |of| how.filtering.variant(&materials[of]));
+        if !how.bumps || matches!(drawn, Drawn::Textured(_)) {
+            variant.relief = 0;
+            variant.slots &= !(1 << twins::SLOT_RELIEF);
+        }
+        pass.set_pipeline(&pipelines.pipeline(context, stage, how.pixels, variant));
+        let Some(material) = material else { return };
+        let layout = &passes.textured.layout;
+        let textures = &mut self.textures;
+        let bound = textures.of(context, layout, &self.scene, material, how.filtering);
+        pass.set_bind_group(1, &bound, &[]);
+        if !matches!(drawn, Drawn::Textured(_)) {
+            pass.set_bind_group(2, &self.reliefs.bindings, &[]);
+        }
+        if let Drawn::Mirroring(_, map) = drawn {
+            pass.set_bind_group(3, &self.mirrors[map], &[]);
         }
     }
 }

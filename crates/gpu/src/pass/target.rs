@@ -1,12 +1,13 @@
 //! Pictures on the device: those that are drawn into, and how they come to the CPU.
 
-use crate::buffer::empty;
+use crate::buffer::{empty, read};
 use crate::context::Context;
 use crate::error::GpuError;
-use crate::hemicube::read;
 use crate::pass::lit::Pixels;
 use crate::pass::pipeline::DEPTH;
-use wgpu::{BufferUsages, Texture, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor};
+use wgpu::{
+    BufferUsages, Texture, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor,
+};
 
 /// Where a picture is drawn to.
 #[derive(Debug, Clone, Copy)]
@@ -46,7 +47,13 @@ impl Frame {
             format: DEPTH,
             ..pixels
         };
-        let depth = self::texture(context, "depth", size, of_depth, TextureUsages::RENDER_ATTACHMENT);
+        let depth = self::texture(
+            context,
+            "depth",
+            size,
+            of_depth,
+            TextureUsages::RENDER_ATTACHMENT,
+        );
         Ok(Self {
             size,
             pixels,
@@ -67,7 +74,12 @@ pub(crate) fn check_size(context: &Context, size: [u32; 2]) -> Result<(), GpuErr
         )));
     }
     let longest = u64::from(size[0].max(size[1]));
-    context.allow("pixels of a side, with its samples,", longest, largest, "pixels")
+    context.allow(
+        "pixels of a side, with its samples,",
+        longest,
+        largest,
+        "pixels",
+    )
 }
 
 /// A picture of one level.

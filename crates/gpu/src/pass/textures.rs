@@ -94,8 +94,7 @@ impl Textures {
         minify: Minify,
         is_point: bool,
     ) -> Sampler {
-        let is_nearest =
-            is_point || texture.magnify == Magnify::Nearest || minify == Minify::Point;
+        let is_nearest = is_point || texture.magnify == Magnify::Nearest || minify == Minify::Point;
         let key = (texture.wrap.map(|wrap| wrap as u8), is_nearest, minify);
         let make = || sampler(context, texture.wrap, is_nearest, minify);
         self.samplers.entry(key).or_insert_with(make).clone()
@@ -160,7 +159,9 @@ fn upload(
     };
     let level = |level: usize| {
         let (width, height) = chain.level_size(level);
-        let texels = chain.level_bytes(level).expect("decoded pictures are bytes");
+        let texels = chain
+            .level_bytes(level)
+            .expect("decoded pictures are bytes");
         ([count(width), count(height)], texels)
     };
     let levels: Vec<([u32; 2], &[[u8; 4]])> = (0..chain.levels()).map(level).collect();
@@ -201,7 +202,9 @@ fn texture(
             rows_per_image: None,
         };
         let bytes = texels.as_flattened();
-        context.queue.write_texture(place, bytes, layout, extent(*size));
+        context
+            .queue
+            .write_texture(place, bytes, layout, extent(*size));
     }
     texture.create_view(&TextureViewDescriptor::default())
 }

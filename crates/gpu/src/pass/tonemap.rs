@@ -99,6 +99,7 @@ impl TonePass {
                 module,
                 vertex: "screen",
                 fragment,
+                constants: &[],
                 layouts: &[layout],
                 buffers: &[],
                 is_strip: false,

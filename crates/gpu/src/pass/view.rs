@@ -110,7 +110,12 @@ pub(crate) fn view(
 fn planes(camera: &Camera, bounds: &Bounds) -> (f64, f64) {
     let forward = camera.forward.as_dvec3().normalize();
     let distance = |p: DVec3| (p - camera.eye.as_dvec3()).dot(forward);
-    let farthest = bounds.corners().map(distance).into_iter().fold(0.0, f64::max) * 1.01;
+    let farthest = bounds
+        .corners()
+        .map(distance)
+        .into_iter()
+        .fold(0.0, f64::max)
+        * 1.01;
     let far = if farthest > 0.0 && farthest.is_finite() {
         farthest
     } else {

@@ -1,7 +1,10 @@
 //! What tests of pictures share: a device, lit scenes, differences between pictures.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
-use hemicube_gpu::Context;
+#[path = "../device/mod.rs"]
+mod device;
+
+pub use device::context;
 use hemicube_radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
 use hemicube_radiosity::solve::shooting::{Order, Shooting};
 use hemicube_radiosity::stop::NEVER;
@@ -10,21 +13,13 @@ use hemicube_raster::{Image, Rgb};
 use hemicube_scene::{Camera, Scene, builtin};
 use std::sync::Arc;
 
-/// A device, or none where there is no adapter.
-pub fn context() -> Option<Arc<Context>> {
-    match Context::headless(None) {
-        Ok(context) => Some(Arc::new(context)),
-        Err(error) => {
-            println!("skipped: {error}");
-            None
-        }
-    }
-}
-
 /// A few shots into a scene: enough light for a picture.
 pub fn lit(scene: Scene, elements: usize) -> Solution {
     let mut options = SolveOptions::default();
-    options.mesh = options.mesh.with_elements(elements).with_patches(elements / 8);
+    options.mesh = options
+        .mesh
+        .with_elements(elements)
+        .with_patches(elements / 8);
     let start = unlit(Arc::new(scene), &options, NEVER).expect("a start");
     let hemicube = HemicubeOptions::default().with_resolution(32);
     let factors = Hemicube::new(start.mesh().clone(), hemicube).expect("factors");
@@ -62,7 +57,11 @@ pub struct Difference {
 pub fn difference(a: &Image<Rgb>, b: &Image<Rgb>) -> Difference {
     assert_eq!((a.width(), a.height()), (b.width(), b.height()), "sizes");
     let mean = |image: &Image<Rgb>| {
-        let sum: f64 = image.pixels().iter().map(|c| f64::from(c.luminance())).sum();
+        let sum: f64 = image
+            .pixels()
+            .iter()
+            .map(|c| f64::from(c.luminance()))
+            .sum();
         sum / image.pixels().len() as f64
     };
     let scale = mean(a);

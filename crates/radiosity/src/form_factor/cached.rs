@@ -29,6 +29,16 @@ impl<F: FormFactors> Cached<F> {
             used: AtomicUsize::new(0),
         }
     }
+
+    /// Keeps a row if the budget allows.
+    fn keep(&self, slot: &OnceLock<Row>, row: &Row) {
+        let bytes = row.bytes();
+        if self.used.fetch_add(bytes, Ordering::Relaxed) + bytes <= self.budget {
+            slot.get_or_init(|| row.clone());
+        } else {
+            self.used.fetch_sub(bytes, Ordering::Relaxed);
+        }
+    }
 }
 
 impl<F: FormFactors> FormFactors for Cached<F> {
@@ -46,12 +56,34 @@ impl<F: FormFactors> FormFactors for Cached<F> {
             return;
         }
         self.inner.fill_row(source, row);
-        let bytes = row.bytes();
-        if self.used.fetch_add(bytes, Ordering::Relaxed) + bytes <= self.budget {
-            slot.get_or_init(|| row.clone());
-        } else {
-            self.used.fetch_sub(bytes, Ordering::Relaxed);
+        self.keep(slot, row);
+    }
+
+    fn fill_rows(&self, sources: &[NodeId], rows: &mut [Row]) {
+        let slot = |source| Some(&self.rows[self.inner.mesh().patch_of_node(source)?]);
+        let mut missing = Vec::new();
+        for (i, (&source, row)) in sources.iter().zip(&mut *rows).enumerate() {
+            match slot(source).and_then(OnceLock::get) {
+                Some(kept) => row.clone_from(kept),
+                None => missing.push(i),
+            }
         }
+        let wanted: Vec<NodeId> = missing.iter().map(|&i| sources[i]).collect();
+        let mut found: Vec<Row> = missing
+            .iter()
+            .map(|&i| core::mem::take(&mut rows[i]))
+            .collect();
+        self.inner.fill_rows(&wanted, &mut found);
+        for (i, row) in missing.into_iter().zip(found) {
+            if let Some(slot) = slot(sources[i]) {
+                self.keep(slot, &row);
+            }
+            rows[i] = row;
+        }
+    }
+
+    fn rows_at_once(&self) -> usize {
+        self.inner.rows_at_once()
     }
 
     fn dense_rows(&self, stop: Stop<'_>) -> Option<DenseRows> {

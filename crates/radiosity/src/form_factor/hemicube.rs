@@ -58,7 +58,7 @@ const FEW_CELLS: f64 = 10.0;
 /// Rays that tell which share of such a receiver is seen.
 const FEW_CELLS_RAYS: u32 = 8;
 /// Layers of panes that are looked through.
-const MAX_LAYERS: usize = 8;
+pub const MAX_LAYERS: usize = 8;
 /// Hemicubes that are transformed before they are drawn: bounds the memory of large scenes.
 const VIEWS_AT_ONCE: usize = 4;
 /// Share of their distance by which backs are drawn farther away than they are: where two one-sided faces make a plate,
@@ -127,12 +127,13 @@ impl ItemBuffers {
 /// What one hemicube sees, summed by a renderer of item buffers elsewhere; 1 in all, in any unit.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sums {
-    /// Share of each element.
+    /// Share of each element, `[band][element]` in three bands, or in one if all are alike; what a pane lets through
+    /// counts, too, and once more where that arrives.
     pub received: Vec<f64>,
-    /// Share of sides that only absorb.
-    pub absorbed: f64,
-    /// Share that meets nothing.
-    pub escaped: f64,
+    /// Share of sides that only absorb, by band.
+    pub absorbed: [f64; 3],
+    /// Share that meets nothing, by band.
+    pub escaped: [f64; 3],
 }
 
 /// Form factors by hemicubes on the CPU.
@@ -225,15 +226,19 @@ impl Hemicube {
         self.layered
     }
 
-    /// The row of a node from what its hemicubes see, drawn elsewhere. What no pane lets through counts.
+    /// The row of a node from what its hemicubes see, drawn elsewhere.
     pub fn row_of_sums(&self, source: NodeId, views: &[Viewpoint], sums: &[Sums], row: &mut Row) {
-        let mut arrivals = Arrivals::new(self.mesh.elements().len());
+        let elements = self.mesh.elements().len();
+        let mut arrivals = Arrivals::new(elements);
         for (view, sums) in views.iter().zip(sums) {
-            let share = |part: f64| [part * view.weight; 3];
-            add(&mut arrivals.absorbed, share(sums.absorbed));
-            add(&mut arrivals.escaped, share(sums.escaped));
-            for (arrived, &part) in arrivals.received.iter_mut().zip(&sums.received) {
-                add(arrived, share(part));
+            let weighted = |share: [f64; 3]| share.map(|s| s * view.weight);
+            add(&mut arrivals.absorbed, weighted(sums.absorbed));
+            add(&mut arrivals.escaped, weighted(sums.escaped));
+            let bands = sums.received.len() / elements.max(1);
+            let of_band = |band: usize| &sums.received[band % bands * elements..][..elements];
+            let [red, green, blue] = [0, 1, 2].map(of_band);
+            for (e, arrived) in arrivals.received.iter_mut().enumerate() {
+                add(arrived, weighted([red[e], green[e], blue[e]]));
             }
         }
         self.finish_row(source, views, arrivals, row);

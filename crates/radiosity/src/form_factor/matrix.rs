@@ -11,10 +11,9 @@ pub use entries::Entries;
 pub(crate) use plan::MatrixPlan;
 
 use crate::error::RadiosityError;
-use crate::form_factor::{FormFactors, Row};
+use crate::form_factor::{FormFactors, Row, collect_rows};
 use crate::patch::{NodeKind, PatchMesh};
 use crate::stop::{NEVER, Stop};
-use rayon::prelude::*;
 
 /// Rows of a sparse matrix that are computed before the memory is looked at again.
 const CHUNK: usize = 256;
@@ -150,15 +149,9 @@ impl ViewFactorMatrix {
         }
         let patches: Vec<usize> = (0..n).collect();
         for chunk in patches.chunks(CHUNK) {
-            let rows: Vec<Vec<Collected>> = chunk
-                .par_iter()
-                .map_init(Row::default, |row, &p| {
-                    if !stop() {
-                        factors.fill_row(mesh.patches()[p], row);
-                    }
-                    (0..bands).map(|band| collect(&mesh, row, band)).collect()
-                })
-                .collect();
+            let rows: Vec<Vec<Collected>> = collect_rows(factors, chunk, stop, |_, row| {
+                (0..bands).map(|band| collect(&mesh, row, band)).collect()
+            });
             if stop() {
                 return Ok(None);
             }

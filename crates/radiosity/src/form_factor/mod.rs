@@ -9,6 +9,7 @@ pub mod hemicube;
 pub mod hemisphere;
 pub mod kind;
 pub mod matrix;
+mod nearby;
 pub mod nusselt;
 pub mod nusselt_rows;
 pub mod polygon;
@@ -28,6 +29,7 @@ pub use surfaces::{Overlap, Surfaces, SurfacesBy};
 
 use crate::patch::{NodeId, PatchMesh};
 use crate::stop::Stop;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// One row of form factors: everything that leaves a node, accounted for.
@@ -92,6 +94,24 @@ pub trait FormFactors: Send + Sync {
     /// The same node always gives the same row, bit for bit, on any number of threads.
     fn fill_row(&self, source: NodeId, row: &mut Row);
 
+    /// Fills the rows of several nodes, each as [`Self::fill_row`] would.
+    ///
+    /// # Panics
+    /// There are not as many rows as nodes.
+    fn fill_rows(&self, sources: &[NodeId], rows: &mut [Row]) {
+        assert_eq!(sources.len(), rows.len(), "a row for each node");
+        sources
+            .par_iter()
+            .zip(rows)
+            .for_each(|(&source, row)| self.fill_row(source, row));
+    }
+
+    /// How many rows [`Self::fill_rows`] should be asked for at once. Methods that work on each row with all threads, or
+    /// on one row a thread, say 1.
+    fn rows_at_once(&self) -> usize {
+        1
+    }
+
     /// The rows of all patches at once, where a method has a cheaper way to them than one after the other.
     ///
     /// Rows are not scaled: what they lack to 1 is the method's error. `stop` is asked about once for each row; after
@@ -128,6 +148,14 @@ impl<F: FormFactors + ?Sized> FormFactors for Box<F> {
         (**self).fill_row(source, row);
     }
 
+    fn fill_rows(&self, sources: &[NodeId], rows: &mut [Row]) {
+        (**self).fill_rows(sources, rows);
+    }
+
+    fn rows_at_once(&self) -> usize {
+        (**self).rows_at_once()
+    }
+
     fn dense_rows(&self, stop: Stop<'_>) -> Option<matrix::DenseRows> {
         (**self).dense_rows(stop)
     }
@@ -143,4 +171,39 @@ impl<F: FormFactors + ?Sized> FormFactors for Box<F> {
     fn rays(&self) -> u64 {
         (**self).rays()
     }
+}
+
+/// What `collect` makes of the rows of some patches, given by their positions, in their order. `stop` is asked about once
+/// for each row; after it has said so, rows are empty.
+pub(crate) fn collect_rows<T: Send>(
+    factors: &dyn FormFactors,
+    patches: &[usize],
+    stop: Stop<'_>,
+    collect: impl Fn(usize, &mut Row) -> T + Sync,
+) -> Vec<T> {
+    let mesh = factors.mesh();
+    let at_once = factors.rows_at_once();
+    if at_once <= 1 {
+        let filled = |row: &mut Row, &p: &usize| {
+            row.clear(1);
+            if !stop() {
+                factors.fill_row(mesh.patches()[p], row);
+            }
+            collect(p, row)
+        };
+        return patches.par_iter().map_init(Row::default, filled).collect();
+    }
+    let mut rows = vec![Row::default(); at_once];
+    let mut collected = Vec::with_capacity(patches.len());
+    for patches in patches.chunks(at_once) {
+        let rows = &mut rows[..patches.len()];
+        rows.iter_mut().for_each(|row| row.clear(1));
+        if !stop() {
+            let sources: Vec<NodeId> = patches.iter().map(|&p| mesh.patches()[p]).collect();
+            factors.fill_rows(&sources, rows);
+        }
+        let jobs: Vec<_> = patches.iter().zip(rows).collect();
+        collected.par_extend(jobs.into_par_iter().map(|(&p, row)| collect(p, row)));
+    }
+    collected
 }

@@ -4,11 +4,12 @@
 //! size. Near patches get 4 or 16 points, those of Gauss quadrature; patches that are partly buried get points of their
 //! exposed elements.
 
+use super::nearby::{Nearby, Surface};
 use crate::error::RadiosityError;
 use crate::patch::{NodeId, PatchMesh};
 use crate::sampling::{hash, point2};
 use glam::Vec3;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Distance of the nearest surface, in longest edges of the patch, from which one point is enough.
 const FAR: f32 = 3.0;
@@ -35,6 +36,8 @@ pub(super) struct Viewpoints {
     max_points: u32,
     /// Of each element: radius around its centroid.
     radii: Vec<f32>,
+    /// Made when the first patch asks what is near.
+    nearby: OnceLock<Nearby>,
 }
 
 impl Viewpoints {
@@ -60,6 +63,7 @@ impl Viewpoints {
         Ok(Self {
             radii: mesh.elements().iter().map(radius).collect(),
             max_points,
+            nearby: OnceLock::new(),
             mesh,
         })
     }
@@ -121,17 +125,7 @@ impl Viewpoints {
             4 => 2,
             _ => 4,
         };
-        let floor = 2.0 * mesh.visibility().offset(node.centroid);
-        let nearest = (0..mesh.elements().len())
-            .filter(|&e| mesh.exposed_area(e) > 0.0)
-            .filter(|&e| {
-                let corners = mesh.polygon(mesh.elements()[e]);
-                corners
-                    .iter()
-                    .any(|&c| (c - node.centroid).dot(node.normal) > floor)
-            })
-            .fold(FAR * edge, |best, e| self.nearer(node.centroid, e, best));
-        let nearest = self.nearer_obstruction(node.centroid, Some(node.normal), nearest);
+        let nearest = self.nearest_above(node.centroid, node.normal, FAR * edge);
         if nearest >= FAR * edge {
             1
         } else if nearest >= MIDDLE * edge {
@@ -139,6 +133,30 @@ impl Viewpoints {
         } else {
             most
         }
+    }
+
+    /// The distance from a point to the nearest surface that is not wholly below its plane if that is less than `best`,
+    /// else `best`.
+    fn nearest_above(&self, point: Vec3, normal: Vec3, best: f32) -> f32 {
+        let mesh = &*self.mesh;
+        let floor = 2.0 * mesh.visibility().offset(point);
+        let is_above = |polygon: &[Vec3]| polygon.iter().any(|&c| (c - point).dot(normal) > floor);
+        let mut nearest = best;
+        let nearby = self.nearby.get_or_init(|| Nearby::new(mesh));
+        nearby.around(point, best, |surface| match surface {
+            Surface::Element(e) if is_above(&mesh.polygon(mesh.elements()[e])) => {
+                nearest = self.nearer(point, e, nearest);
+            }
+            Surface::Obstruction(face) => {
+                let face = &mesh.faces()[face as usize];
+                if is_above(face.polygon()) {
+                    let distance = distance_to_polygon(point, face.polygon(), face.normal);
+                    nearest = nearest.min(distance);
+                }
+            }
+            Surface::Element(_) => {}
+        });
+        nearest
     }
 
     /// The distance from a point to an element if it is less than `best`, else `best`.
@@ -153,20 +171,13 @@ impl Viewpoints {
         distance_to_polygon(point, &self.mesh.polygon(id), node.normal).min(best)
     }
 
-    /// The distance from a point to the nearest obstruction if it is less than `best`, else `best`; those wholly below
-    /// the plane of a normal do not count.
-    pub(super) fn nearer_obstruction(&self, point: Vec3, above: Option<Vec3>, best: f32) -> f32 {
-        let floor = 2.0 * self.mesh.visibility().offset(point);
+    /// The distance from a point to the nearest obstruction if it is less than `best`, else `best`.
+    pub(super) fn nearer_obstruction(&self, point: Vec3, best: f32) -> f32 {
         let faces = self.mesh.obstructions().iter();
         let faces = faces.map(|&(face, _)| &self.mesh.faces()[face as usize]);
-        faces
-            .filter(|face| {
-                let is_above = |n: Vec3| face.polygon().iter().any(|&c| (c - point).dot(n) > floor);
-                above.is_none_or(is_above)
-            })
-            .fold(best, |best, face| {
-                distance_to_polygon(point, face.polygon(), face.normal).min(best)
-            })
+        faces.fold(best, |best, face| {
+            distance_to_polygon(point, face.polygon(), face.normal).min(best)
+        })
     }
 }
 
@@ -238,6 +249,38 @@ fn distance_to_polygon(point: Vec3, polygon: &[Vec3], normal: Vec3) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::patch::Node;
+
+    /// What the tree says against a look at every element.
+    #[test]
+    fn nearest_surface_is_that_of_a_look_at_all() {
+        let mesh = |name: &str, elements| {
+            let scene = hemicube_scene::builtin::scene(name).expect("it is built in");
+            let options = crate::patch::PatchOptions::default().with_elements(elements);
+            Arc::new(PatchMesh::build(Arc::new(scene), options).expect("it can be cut"))
+        };
+        for mesh in [mesh("cornell", 2000), mesh("office", 4000)] {
+            let viewpoints = Viewpoints::new(mesh.clone(), 16, "hemicubes").expect("16 will do");
+            for &patch in mesh.patches().iter().step_by(7) {
+                let Node {
+                    centroid, normal, ..
+                } = *mesh.node(patch);
+                let floor = 2.0 * mesh.visibility().offset(centroid);
+                for best in [0.05, 1.0, 300.0] {
+                    let above = |&e: &usize| {
+                        let corners = mesh.polygon(mesh.elements()[e]);
+                        let mut corners = corners.iter();
+                        mesh.exposed_area(e) > 0.0
+                            && corners.any(|&c| (c - centroid).dot(normal) > floor)
+                    };
+                    let all = (0..mesh.elements().len()).filter(above);
+                    let wanted = all.fold(best, |best, e| viewpoints.nearer(centroid, e, best));
+                    let found = viewpoints.nearest_above(centroid, normal, best);
+                    assert_eq!(found, wanted, "{}, {patch:?}, {best}", mesh.scene().name);
+                }
+            }
+        }
+    }
 
     #[test]
     fn distances_to_a_square() {

@@ -8,13 +8,12 @@
 use crate::error::RadiosityError;
 use crate::form_factor::matrix::{Entries, MatrixPlan, patch_area};
 use crate::form_factor::{FormFactors, MatrixOptions, Row, ViewFactorMatrix};
-use crate::patch::PatchMesh;
+use crate::patch::{NodeId, PatchMesh};
 use crate::solution::{BANDS, Solution};
 use crate::solve::shot::{Surfaces, to_f32};
 use crate::solve::system::{Channel, MatrixMethod, MatrixSolverKind, System};
 use crate::solve::{Progress, Solver};
 use crate::stop::{NEVER, Stop};
-use rayon::prelude::*;
 
 /// Rows that are filled at the same time when a correction is shot.
 const ROWS: usize = 64;
@@ -191,9 +190,8 @@ impl Shots<'_> {
             if (self.stop)() {
                 break;
             }
-            let jobs: Vec<_> = chunk.iter().zip(&mut rows).collect();
-            jobs.into_par_iter()
-                .for_each(|(&p, row)| self.factors.fill_row(mesh.patches()[p], row));
+            let sources: Vec<NodeId> = chunk.iter().map(|&p| mesh.patches()[p]).collect();
+            self.factors.fill_rows(&sources, &mut rows[..chunk.len()]);
             for (&p, row) in chunk.iter().zip(&rows) {
                 self.shoot(solution, channels, p, row);
             }

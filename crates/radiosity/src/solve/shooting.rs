@@ -4,6 +4,7 @@
 //! with nothing unshot. Energy is kept at every step: what leaves is received, absorbed or escapes.
 
 use crate::form_factor::{FormFactors, Row};
+use crate::patch::NodeId;
 use crate::solution::{BANDS, Solution};
 use crate::solve::max_tree::MaxTree;
 use crate::solve::overshooting::Estimate;
@@ -204,13 +205,8 @@ impl Solver for Shooting<'_> {
         let mesh = self.solution.mesh().clone();
         let mut rows = core::mem::take(&mut self.rows);
         rows.resize_with(chosen.len().max(1), Row::default);
-        if let [patch] = *chosen {
-            self.factors.fill_row(mesh.patches()[patch], &mut rows[0]);
-        } else {
-            let jobs: Vec<_> = chosen.iter().zip(&mut rows).collect();
-            jobs.into_par_iter()
-                .for_each(|(&patch, row)| self.factors.fill_row(mesh.patches()[patch], row));
-        }
+        let sources: Vec<NodeId> = chosen.iter().map(|&p| mesh.patches()[p]).collect();
+        self.factors.fill_rows(&sources, &mut rows[..chosen.len()]);
         for (&patch, row) in chosen.iter().zip(&rows) {
             self.shoot(patch, row);
         }

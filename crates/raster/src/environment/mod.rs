@@ -47,7 +47,7 @@ pub use harmonics::{SphericalHarmonics, irradiance_by_texels};
 pub use highlight::{DistantLight, highlights};
 pub use layout::{Layout, projection_of_size};
 pub use map::{EnvironmentError, EnvironmentMap, reflected};
-pub use prefilter::{Lobe, PrefilterOptions, PrefilteredEnvironment};
+pub use prefilter::{Lobe, LobeSample, PrefilterOptions, PrefilteredEnvironment, lobe_samples};
 pub use projection::{ParseProjectionError, Projection};
 pub use pyramid::EnvironmentPyramid;
 pub use set::{Bounds, Choice, EnvironmentSet, Probe};

@@ -182,11 +182,7 @@ fn blurred(
     rows: usize,
     options: &PrefilterOptions,
 ) -> EnvironmentMap {
-    let samples = if roughness < MIN_ROUGHNESS {
-        vec![]
-    } else {
-        lobe_samples(options.lobe, roughness, options.samples.max(1))
-    };
+    let samples = lobe_samples(options.lobe, roughness, options.samples.max(1));
     let projection = options.projection;
     let (width, height) = projection.face_size(rows);
     let size = Vec2::new(width as f32, height as f32);
@@ -212,14 +208,21 @@ fn blurred(
 
 /// A direction around z, what it stands for, and how much it counts.
 #[derive(Debug, Clone, Copy)]
-struct LobeSample {
-    direction: Vec3,
-    solid_angle: f32,
-    weight: f32,
+pub struct LobeSample {
+    /// Of unit length.
+    pub direction: Vec3,
+    /// Solid angle that it is read with, in steradians.
+    pub solid_angle: f32,
+    /// Relative to the others.
+    pub weight: f32,
 }
 
-/// Points of Hammersley in the lobe; those below the horizon do not count.
-fn lobe_samples(lobe: Lobe, roughness: f32, count: u32) -> Vec<LobeSample> {
+/// Points of Hammersley in the lobe around z; those below the horizon do not count. None of a roughness below 0.02, where the
+/// lobe is narrower than a texel of any map.
+pub fn lobe_samples(lobe: Lobe, roughness: f32, count: u32) -> Vec<LobeSample> {
+    if roughness < MIN_ROUGHNESS {
+        return Vec::new();
+    }
     let sample = |i: u32| {
         // Van der Corput's number has its digits mirrored, 24 of which a float keeps.
         let mirrored = (i.reverse_bits() >> 8) as f32 / (1_u32 << 24) as f32;

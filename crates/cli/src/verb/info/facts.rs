@@ -1,5 +1,6 @@
 //! What is in a scene.
 
+use super::device;
 use super::probe::Probe;
 use crate::failure::one_line;
 use crate::report::{Warnings, counted, counted_patches, factors, grouped};
@@ -12,6 +13,7 @@ use hemicube::raster::Rgb;
 use hemicube::scene::{LightKind, Material, Scene, Units};
 use serde::Serialize;
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 /// Materials that people get to read about; `--json` has all of them.
 const SHOWN_MATERIALS: usize = 40;
@@ -68,6 +70,8 @@ struct MeshFacts {
     buried_share: f64,
     escaped_share: f64,
     absorbed_by_backs_share: f64,
+    /// To solve it on a GPU.
+    gpu_memory_bytes: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -102,7 +106,7 @@ impl Facts {
     }
 
     /// What its mesh and the rays in it tell.
-    pub fn add_mesh(&mut self, mesh: &PatchMesh, probe: &Probe) {
+    pub fn add_mesh(&mut self, mesh: &Arc<PatchMesh>, probe: &Probe) {
         self.warnings.extend(mesh.report());
         for (material, mean) in self.materials.iter_mut().zip(mean_reflectance(mesh)) {
             material.reflectance = mean.unwrap_or(material.reflectance);
@@ -114,11 +118,15 @@ impl Facts {
             buried_share: probe.buried / probe.area,
             escaped_share: probe.surfaces.share(probe.surfaces.escaped),
             absorbed_by_backs_share: probe.surfaces.share(probe.surfaces.absorbed),
+            gpu_memory_bytes: device::memory(mesh, 1),
         });
     }
 
     /// How the light of a lit .glb was obtained.
     pub fn add_solution(&mut self, solution: &Solution) {
+        if let Some(mesh) = &mut self.mesh {
+            mesh.gpu_memory_bytes = device::memory(solution.mesh(), solution.groups().len());
+        }
         self.solution = Some(SolutionFacts {
             provenance: solution.provenance.clone(),
             unshot_fraction: solution.unshot_fraction(),
@@ -195,6 +203,11 @@ impl Facts {
             percent(mesh.escaped_share),
             percent(mesh.absorbed_by_backs_share),
             percent(mesh.buried_share)
+        );
+        let _ = writeln!(
+            text,
+            "gpu       {:.1} MiB to solve it on a GPU with hemicubes of 256 cells an edge",
+            mesh.gpu_memory_bytes as f64 / f64::from(1 << 20)
         );
     }
 

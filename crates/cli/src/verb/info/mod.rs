@@ -1,5 +1,6 @@
 //! `hemicube info`: what is in a scene, and why it would stay black or leak light.
 
+mod device;
 mod facts;
 mod hints;
 mod probe;
@@ -34,7 +35,7 @@ pub fn run(args: &InfoVerb, global: GlobalArgs) -> Result<(), Failure> {
 fn of_scene(scene: Scene) -> Result<Facts, Failure> {
     let scene = Arc::new(scene);
     match PatchMesh::build(scene.clone(), SolveOptions::default().mesh) {
-        Ok(mesh) => Ok(of_mesh(&mesh)),
+        Ok(mesh) => Ok(of_mesh(&Arc::new(mesh))),
         Err(error @ RadiosityError::NoSurfaces(_)) => {
             let mut facts = Facts::of_scene(&scene);
             facts.hints = vec![error.to_string()];
@@ -44,7 +45,7 @@ fn of_scene(scene: Scene) -> Result<Facts, Failure> {
     }
 }
 
-fn of_mesh(mesh: &PatchMesh) -> Facts {
+fn of_mesh(mesh: &Arc<PatchMesh>) -> Facts {
     let probe = Probe::new(mesh);
     let mut facts = Facts::of_scene(mesh.scene());
     facts.add_mesh(mesh, &probe);

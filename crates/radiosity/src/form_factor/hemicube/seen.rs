@@ -141,7 +141,7 @@ impl Seen {
             }
         }
         items.append(&mut backs);
-        let nearest = viewpoints.nearer_obstruction(view.origin, None, nearest);
+        let nearest = viewpoints.nearer_obstruction(view.origin, nearest);
         // The depth buffer is the finer the farther its near plane.
         let near = (projection.least_depth() * nearest).max(mesh.visibility().offset(view.origin));
         Self {

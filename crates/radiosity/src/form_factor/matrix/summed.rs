@@ -7,10 +7,9 @@ use super::{
 use crate::error::RadiosityError;
 use crate::form_factor::matrix::DenseRows;
 use crate::form_factor::surfaces::Surfaces;
-use crate::form_factor::{FormFactors, Row};
+use crate::form_factor::{FormFactors, Row, collect_rows};
 use crate::patch::PatchMesh;
 use crate::stop::Stop;
-use rayon::prelude::*;
 
 impl ViewFactorMatrix {
     /// The factors between surfaces, each the sum over its patches: `F_IJ = Σ_i A_i Σ_j F_ij / A_I`; shares of sky,
@@ -46,16 +45,8 @@ impl ViewFactorMatrix {
             .collect();
         patches.sort_by_key(|&(surface, _)| surface);
         for chunk in patches.chunks(CHUNK) {
-            let rows: Vec<Collected> = chunk
-                .par_iter()
-                .map_init(Row::default, |row, &(_, p)| {
-                    if stop() {
-                        Collected::default()
-                    } else {
-                        mean_row(factors, p, row)
-                    }
-                })
-                .collect();
+            let positions: Vec<usize> = chunk.iter().map(|&(_, p)| p).collect();
+            let rows = collect_rows(factors, &positions, stop, |_, row| mean_row(&mesh, row));
             for (&(surface, p), row) in chunk.iter().zip(&rows) {
                 let of = |patch| surfaces.of_patch(patch);
                 summer.add(surface, patch_area(&mesh, p), row, of);
@@ -272,10 +263,8 @@ impl Summer {
     }
 }
 
-/// The row of a patch, the mean over the bands.
-fn mean_row(factors: &dyn FormFactors, patch: usize, row: &mut Row) -> Collected {
-    let mesh = factors.mesh();
-    factors.fill_row(mesh.patches()[patch], row);
+/// A row of a patch, the mean over the bands.
+fn mean_row(mesh: &PatchMesh, row: &Row) -> Collected {
     if row.bands == 1 && !mesh.visibility().is_tinted() {
         return collect(mesh, row, 0);
     }
