@@ -11,13 +11,14 @@ use crate::walk::Eye;
 use core::f32::consts::PI;
 use egui_wgpu::{RenderState, Renderer};
 use hemicube_gpu::pass::{
-    DrawOptions, Interpolation, MeshLines, Smoothing, Style, Target, Walkthrough,
+    DrawOptions, Interpolation, Lookup, MeshLines, Smoothing, Style, Target, Walkthrough,
 };
 use hemicube_gpu::{Context, GpuError};
 use hemicube_radiosity::solution::BANDS;
 use hemicube_radiosity::{PatchMesh, Solution};
 use hemicube_raster::colormap::{Colormap, FieldPaint, Isolines};
 use hemicube_raster::{Image, Rgb};
+use hemicube_render::Reflections;
 use hemicube_scene::Scene;
 use std::path::Path;
 use std::sync::Arc;
@@ -25,6 +26,10 @@ use wgpu::{Texture, TextureFormat, TextureUsages, TextureViewDescriptor};
 
 /// egui wants sRGB-encoded values that no sampler decodes.
 const SHOWN: TextureFormat = TextureFormat::Rgba8Unorm;
+
+/// Pixels of a side of what mirrors show, and most objects that have such pictures of their own.
+const MIRROR_SIDE: usize = 64;
+const MIRRORS: usize = 8;
 
 /// What draws panes.
 pub struct Stage {
@@ -44,6 +49,8 @@ struct OnStage {
     mesh: Arc<PatchMesh>,
     /// Whether its textures are there, too.
     is_textured: bool,
+    /// The light that mirrors show; none if nothing mirrors yet.
+    mirrored: Option<u64>,
 }
 
 /// A pane's picture, and what it shows.
@@ -62,6 +69,8 @@ struct Shown {
     exposure: f32,
     selected: Option<usize>,
     is_smooth: bool,
+    /// Whether mirrors show light at rest.
+    mirrors_rest: bool,
 }
 
 impl Shown {
@@ -156,6 +165,7 @@ impl Stage {
             geometry,
             mesh: solution.mesh().clone(),
             is_textured: true,
+            mirrored: None,
         });
         self.forget();
         Ok(())
@@ -219,6 +229,7 @@ impl Stage {
                 .selected_patch()
                 .filter(|_| desk.prefs.display.quantity == Quantity::FormFactors),
             is_smooth: desk.prefs.display.smooth_edges && (!self.is_software || desk.is_still()),
+            mirrors_rest: desk.prefs.display.reflections && desk.is_still(),
         };
         let is_smooth = shown.is_smooth;
         if self.pictures[i].shows.as_ref() == Some(&shown) {
@@ -230,6 +241,9 @@ impl Stage {
             self.pictures.len() > 1 || before.is_none_or(|before| !before.has_light_of(&shown));
         if has_new_light {
             self.set_light(desk, snapshot, pane)?;
+        }
+        if desk.prefs.display.reflections && desk.prefs.display.quantity == Quantity::Light {
+            self.set_mirrors(desk, snapshot, shown.light)?;
         }
         let Some(scene) = &mut self.scene else {
             return Ok(());
@@ -278,6 +292,39 @@ impl Stage {
             };
             scene.walkthrough.set_ambient(ambient);
         }
+        Ok(())
+    }
+
+    /// Takes pictures for what mirrors: at first, and again when light that has changed is at rest.
+    fn set_mirrors(
+        &mut self,
+        desk: &Desk,
+        snapshot: &Snapshot,
+        light: u64,
+    ) -> Result<(), GpuError> {
+        let Some(scene) = &mut self.scene else {
+            return Ok(());
+        };
+        match scene.mirrored {
+            Some(mirrored) if mirrored == light || !desk.is_still() => return Ok(()),
+            Some(_) => {}
+            None => {
+                let wanted = Reflections::default()
+                    .with_resolution(MIRROR_SIDE)
+                    .with_maps(MIRRORS);
+                let solution = &snapshot.lanes[0].solution;
+                scene
+                    .walkthrough
+                    .set_reflections(solution, &wanted, Lookup::default())?;
+            }
+        }
+        scene.mirrored = Some(light);
+        let descriptor = wgpu::CommandEncoderDescriptor {
+            label: Some("mirrors"),
+        };
+        let mut encoder = self.context.device.create_command_encoder(&descriptor);
+        scene.walkthrough.capture(&mut encoder, desk.exposure)?;
+        self.context.queue.submit([encoder.finish()]);
         Ok(())
     }
 
