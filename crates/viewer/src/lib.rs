@@ -5,8 +5,19 @@
 //! lamps without solving at all ([`session::Mixer`]). Everything but [`panels`], [`draw`] and [`app`] knows no window
 //! and is tested without one.
 //!
+//! ```no_run
+//! use hemicube_viewer::{ViewOptions, view};
+//!
+//! view(ViewOptions { scene: String::from("cornell"), ..ViewOptions::default() })?;
+//! # Ok::<(), hemicube_viewer::ViewError>(())
+//! ```
+//!
 //! # Current state
-//! Runs on X11 and Wayland with any adapter of wgpu, lavapipe too.
+//! Runs on X11 and Wayland with any adapter of wgpu. Where the processor draws (lavapipe), edges are smooth and mirrors new
+//! only while light and eye are at rest. Light that a GPU solves comes over the CPU to the window, which has a device of its
+//! own. Bumps are lit as if by a uniform sky. Lights without an area and the sky are one source and cannot be edited. An edit
+//! copies scene and mesh, which is felt from a million elements on. Gathering starts again after an edit. Reading a file
+//! cannot be interrupted; it is dropped when it is done. Screen readers are not served.
 #![forbid(unsafe_code)]
 
 pub mod app;
