@@ -56,6 +56,7 @@ fn run(cli: &Cli, start: Instant) -> Result<(), Failure> {
         Verb::FormFactors(args) => verb::form_factors::run(args, cli.global, start),
         Verb::Compare(args) => verb::compare::run(args, cli.global, start),
         Verb::Environment(args) => verb::environment::run(args, cli.global, start),
+        Verb::View(args) => verb::view::run(args),
         Verb::Gallery(args) => verb::gallery::run(args, cli.global),
         Verb::Adapters => verb::adapters::run(cli.global),
         Verb::Scenes => verb::scenes::run(cli.global),

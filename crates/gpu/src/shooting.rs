@@ -74,9 +74,7 @@ impl GpuShooting {
         let cpu = Hemicube::new(mesh, options).map_err(|e| GpuError::Option(e.to_string()))?;
         let device = context.guard(|| OnDevice::new(&context, &solution, &cpu))?;
         let mut solver = Self {
-            emitted: (0..BANDS)
-                .map(|band| solution.total_balance(band).emitted)
-                .sum(),
+            emitted: solution.reference_flux(),
             steps_before: solution.provenance.steps,
             hemicubes_per_step: HEMICUBES_PER_STEP,
             most_shots: u32::MAX,

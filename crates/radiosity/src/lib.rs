@@ -54,6 +54,7 @@ pub use job::{
     Quality, SolveOptions, SolverKind, Way, resume, resume_on, resume_until, solve, solve_on,
     solve_until, unlit,
 };
+pub use patch::edit::MaterialEdit;
 pub use patch::{NodeId, PatchMesh, PatchOptions};
 pub use solution::{EnergyBalance, Grouping, Solution};
 pub use solve::{Order, Progress, Shooting, Solver, Stochastic, StochasticOptions};

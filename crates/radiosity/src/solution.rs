@@ -99,6 +99,14 @@ pub enum Grouping {
     ByMaterial,
 }
 
+impl Grouping {
+    /// Names of the groups of a mesh, and the group of each element's own emission. Lights without an area and the sky
+    /// are in the last one.
+    pub fn groups(self, mesh: &PatchMesh) -> (Vec<String>, Vec<usize>) {
+        groups(mesh, self)
+    }
+}
+
 impl Solution {
     /// Light before the first step: emitters, and what lights and sky bring directly (`primary`, per element).
     pub fn new(mesh: Arc<PatchMesh>, primary: &[Rgb], grouping: Grouping) -> Self {
@@ -108,7 +116,7 @@ impl Solution {
             elements,
             "one primary irradiance for each element"
         );
-        let (names, group_of) = groups(&mesh, grouping);
+        let (names, group_of) = grouping.groups(&mesh);
         let mut solution = Self {
             irradiance: vec![0.0; names.len() * BANDS * elements],
             exitance: vec![0.0; names.len() * BANDS * elements],
@@ -245,6 +253,72 @@ impl Solution {
         self.unshot.copy_from_slice(unshot);
     }
 
+    /// The light under an edited mesh ([`PatchMesh::edited`]), before the difference is shot.
+    ///
+    /// What was shot has arrived and stays. Radiosity `B = E + ρ H` changes at once, and what changed is unshot:
+    /// `U' = U + ΔE + Δρ H`, which may be negative. Any solver goes on from here; where it ends is the solution from
+    /// scratch, but for the rounding of f32, which is relative to the brightest light that ever fell. Light is taken back by
+    /// the same form factors that brought it, so they should be kept: those made for the edited mesh may differ by their
+    /// noise (rays are spent on what emits). `group_of` says in which group the emission of an element counts.
+    ///
+    /// # Panics
+    /// The mesh has another number of elements, or there is no such group.
+    pub fn relit(mut self, mesh: Arc<PatchMesh>, group_of: impl Fn(usize) -> usize) -> Self {
+        let elements = self.mesh.elements().len();
+        assert_eq!(
+            mesh.elements().len(),
+            elements,
+            "an edited mesh has the same elements"
+        );
+        for e in 0..elements {
+            let reflectance = mesh.reflectance()[e] - self.mesh.reflectance()[e];
+            if !reflectance.is_black() {
+                self.change_reflectance(e, reflectance);
+            }
+            let emission = mesh.emission()[e] - self.mesh.emission()[e];
+            if !emission.is_black() {
+                self.change_emission(group_of(e), e, mesh.emission()[e]);
+            }
+        }
+        self.mesh = mesh;
+        self
+    }
+
+    fn change_reflectance(&mut self, e: usize, change: Rgb) {
+        for channel in 0..self.groups.len() * BANDS {
+            let (group, band) = (channel / BANDS, channel % BANDS);
+            let i = self.index(group, band, e);
+            let reflected = change[band] * self.irradiance[i];
+            self.unshot[i] += reflected;
+            self.balance[group][band].absorbed -= f64::from(reflected) * self.area(e);
+        }
+    }
+
+    fn change_emission(&mut self, group: usize, e: usize, emission: Rgb) {
+        for band in 0..BANDS {
+            let i = self.index(group, band, e);
+            let change = emission[band] - self.exitance[i];
+            self.exitance[i] = emission[band];
+            self.unshot[i] += change;
+            self.balance[group][band].emitted += f64::from(change) * self.area(e);
+        }
+    }
+
+    /// The same light with one more group, dark so far, before the last one: what is about to emit may have a group of its
+    /// own. Its index is returned beside it.
+    pub fn with_dark_group(mut self, name: impl Into<String>) -> (Self, usize) {
+        let at = self.groups.len() - 1;
+        let values = self.mesh.elements().len() * BANDS;
+        let start = at * values;
+        for array in [&mut self.irradiance, &mut self.exitance, &mut self.unshot] {
+            array.splice(start..start, core::iter::repeat_n(0.0, values));
+        }
+        self.balance.insert(at, Default::default());
+        let (name, dim) = (name.into(), Rgb::WHITE);
+        self.groups.insert(at, LightGroup { name, dim });
+        (self, at)
+    }
+
     fn sum_over_groups(&self, values: &[f32], element: usize) -> Rgb {
         let n = self.mesh.elements().len();
         let of_group = |(g, group): (usize, &LightGroup)| {
@@ -308,12 +382,20 @@ impl Solution {
         self.mesh.elements_of_patch(patch).map(flux).sum()
     }
 
+    /// The flux over all bands with which unshot light is compared: what is emitted. Where an edit took nearly all of that
+    /// away, a thousandth of the light that is still there.
+    pub fn reference_flux(&self) -> f64 {
+        let of_bands = |flux: fn(EnergyBalance) -> f64| -> f64 {
+            (0..BANDS).map(|band| flux(self.total_balance(band))).sum()
+        };
+        let lost = of_bands(|balance| balance.absorbed + balance.escaped);
+        of_bands(|balance| balance.emitted).max(1e-3 * lost)
+    }
+
     /// Unshot share of all emitted flux: absolute values over patches, groups and bands, so that what an edit made
     /// negative does not hide what is positive. 0 if nothing is emitted.
     pub fn unshot_fraction(&self) -> f64 {
-        let emitted: f64 = (0..BANDS)
-            .map(|band| self.total_balance(band).emitted)
-            .sum();
+        let emitted = self.reference_flux();
         let channels =
             || (0..self.groups.len()).flat_map(|g| (0..BANDS).map(move |band| (g, band)));
         let of_patch = |p| {

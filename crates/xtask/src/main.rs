@@ -43,7 +43,7 @@ fn test(args: &[&str]) -> bool {
         "test",
         "--workspace",
         "--features",
-        "hemicube-cli/gpu,hemicube-tests/gpu",
+        "hemicube-cli/viewer,hemicube-tests/gpu",
         "--locked",
     ];
     cargo(&[&all, args].concat(), &[])
@@ -60,6 +60,7 @@ fn check() -> bool {
         "scene",
         "radiosity",
         "render",
+        "viewer",
     ]
     .map(|name| format!("hemicube-{name}"));
     let mut package = vec![

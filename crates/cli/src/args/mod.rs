@@ -80,6 +80,8 @@ pub enum Verb {
     Compare(CompareVerb),
     /// Convert, capture or describe environment maps: light from all directions around a point
     Environment(EnvironmentVerb),
+    /// Walk through a scene in a window while its light is solved
+    View(ViewVerb),
     /// List the exhibits that show each technique at work, or draw them
     Gallery(GalleryVerb),
     /// List the GPUs of this machine and what they can do
@@ -259,6 +261,34 @@ pub struct CompareVerb {
     pub picture: PictureArgs,
     #[command(flatten)]
     pub scene_options: SceneArgs,
+}
+
+const VIEW_HELP: &str = "\
+Examples:
+  hemicube view
+  hemicube view room.glb
+  hemicube view office --measure 10s --size 1280x720
+
+Light is solved in the background; walk, click surfaces, change lamps and paints, dim groups, measure. F1 lists keys and \
+mouse. Window and settings are remembered; --fresh starts without and remembers nothing. --measure closes the window \
+after that time and prints how long frames took. Without a window system, draw with `hemicube render`.";
+
+/// Opens a window on a scene: walks through it while its light is solved
+#[derive(Debug, Args)]
+#[command(after_help = VIEW_HELP)]
+pub struct ViewVerb {
+    /// Scene file, lit .glb, session (.json) or name of a built-in scene
+    #[arg(value_name = "SCENE", default_value = "office")]
+    pub scene: PathBuf,
+    /// Close after this time and print how long frames took
+    #[arg(long, value_name = "TIME", value_parser = parse::duration)]
+    pub measure: Option<Duration>,
+    /// Size of the window [default: as it was last, at first 1280x800]
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    pub size: Option<(u32, u32)>,
+    /// Start without what was set last time, and remember nothing
+    #[arg(long)]
+    pub fresh: bool,
 }
 
 /// Says what is in a scene, and why it would stay black or leak light

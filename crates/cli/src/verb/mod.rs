@@ -11,6 +11,7 @@ pub mod measure;
 pub mod render;
 pub mod scenes;
 pub mod solve;
+pub mod view;
 
 use crate::args::{GlobalArgs, MeshArgs, SceneArgs, SolveArgs};
 use crate::failure::Failure;

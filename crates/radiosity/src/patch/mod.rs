@@ -4,6 +4,7 @@
 //! into smaller and smaller cells. *Patches* (they shoot) and *elements* (they receive; Cohen, Greenberg, Immel, Brock
 //! 1986) are two cuts through that forest: every root-to-leaf path crosses each once, patches above elements.
 
+pub mod edit;
 pub mod exposure;
 pub mod face;
 mod locate;
@@ -151,12 +152,12 @@ impl PatchOptions {
 }
 
 /// The scene cut into patches and elements.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct PatchMesh {
     scene: Arc<Scene>,
     options: PatchOptions,
     faces: Arc<[WorldFace]>,
-    visibility: Visibility,
+    visibility: Arc<Visibility>,
     /// Root nodes of each face's front and back; `None` where that side only absorbs.
     roots: Vec<[Option<NodeId>; 2]>,
     locator: Locator,
@@ -235,7 +236,7 @@ impl PatchMesh {
             report,
             exposure: Vec::new(),
             exposed_area: Vec::new(),
-            visibility: Visibility::new(scene.clone(), faces.clone()),
+            visibility: Arc::new(Visibility::new(scene.clone(), faces.clone())),
             faces,
             scene,
         };

@@ -117,9 +117,7 @@ impl<'a> OnMatrix<'a> {
                 }
             })
             .collect();
-        let emitted = (0..BANDS)
-            .map(|band| solution.total_balance(band).emitted)
-            .sum();
+        let emitted = solution.reference_flux();
         let mut solver = Self {
             shots: Shots {
                 factors,

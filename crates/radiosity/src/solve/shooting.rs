@@ -48,9 +48,7 @@ impl<'a> Shooting<'a> {
     /// Goes on from a solution; a new one starts with the light of its emitters.
     pub fn new(factors: &'a dyn FormFactors, solution: Solution, order: Order) -> Self {
         let patches = solution.mesh().patches().len();
-        let emitted = (0..BANDS)
-            .map(|band| solution.total_balance(band).emitted)
-            .sum();
+        let emitted = solution.reference_flux();
         let batch = if patches > BATCH_FROM_PATCHES {
             BATCH
         } else {

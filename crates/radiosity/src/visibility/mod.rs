@@ -81,6 +81,11 @@ impl Visibility {
         lit > side as usize
     }
 
+    /// Unit normal of a face.
+    pub fn normal(&self, face: usize) -> Vec3 {
+        self.normals[face]
+    }
+
     /// Length of the diagonal around all faces: farther away there is nothing.
     pub fn diameter(&self) -> f32 {
         self.diameter

@@ -1,0 +1,35 @@
+//! `hemicube view`: a window on a scene.
+
+use crate::args::ViewVerb;
+use crate::failure::Failure;
+
+/// Opens the window and stays until it is closed.
+#[cfg(feature = "viewer")]
+pub fn run(args: &ViewVerb) -> Result<(), Failure> {
+    let options = hemicube_viewer::ViewOptions {
+        scene: args.scene.to_string_lossy().into_owned(),
+        measure: args.measure,
+        size: args
+            .size
+            .map(|(width, height)| [width as f32, height as f32]),
+        settings: None,
+        forgets: args.fresh,
+    };
+    hemicube_viewer::view(options).map_err(|error| Failure::Failed(error.to_string()))
+}
+
+/// Says how to build the program for it.
+#[cfg(not(feature = "viewer"))]
+pub fn run(args: &ViewVerb) -> Result<(), Failure> {
+    let ViewVerb {
+        scene,
+        measure: _,
+        size: _,
+        fresh: _,
+    } = args;
+    Err(Failure::Usage(format!(
+        "view {}: this program was built without windows; `cargo install --path crates/cli --features viewer` builds \
+         it with them, `hemicube render` draws pictures without",
+        scene.display()
+    )))
+}

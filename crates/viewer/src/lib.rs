@@ -1,0 +1,42 @@
+//! The walkthrough viewer: a window in which light arrives.
+//!
+//! [`view`] opens it. A thread of its own solves ([`session`]); the window shows the newest light from wherever one
+//! stands ([`walk`]), reads it off surfaces ([`measure`]), changes lamps and paints while it is solved, and dims groups of
+//! lamps without solving at all ([`session::Mixer`]). Everything but [`panels`], [`draw`] and [`app`] knows no window
+//! and is tested without one.
+//!
+//! ```no_run
+//! use hemicube_viewer::{ViewOptions, view};
+//!
+//! view(ViewOptions { scene: String::from("cornell"), ..ViewOptions::default() })?;
+//! # Ok::<(), hemicube_viewer::ViewError>(())
+//! ```
+//!
+//! # Current state
+//! Runs on X11 and Wayland with any adapter of wgpu. Where the processor draws (lavapipe), edges are smooth and mirrors new
+//! only while light and eye are at rest. Light that a GPU solves comes over the CPU to the window, which has a device of its
+//! own. Bumps are lit as if by a uniform sky. Lights without an area and the sky are one source and cannot be edited. An edit
+//! copies scene and mesh, which is felt from a million elements on. Gathering starts again after an edit. Reading a file
+//! cannot be interrupted; it is dropped when it is done. Screen readers are not served.
+#![forbid(unsafe_code)]
+
+pub mod app;
+pub mod desk;
+pub mod display;
+pub mod document;
+pub mod draw;
+pub mod film_job;
+pub mod format;
+pub mod frames;
+pub mod light;
+pub mod measure;
+pub mod panels;
+pub mod panes;
+pub mod prefs;
+pub mod run;
+pub mod session;
+pub mod theme;
+pub mod walk;
+
+pub use app::{ViewOptions, Viewer};
+pub use run::{ViewError, view};

@@ -1,0 +1,126 @@
+//! Solving: where it is, and how it came there.
+
+use crate::desk::Desk;
+use crate::format::{number, share, thousands};
+use crate::panels::plot::{Curve, plot};
+use crate::panels::toolbar::solver_label;
+use crate::panels::{fact, row, section};
+use crate::theme::LINES;
+use egui::{ComboBox, RichText, Ui};
+use hemicube_radiosity::Quality;
+
+pub fn show(ui: &mut Ui, desk: &mut Desk) {
+    section(ui, "Solver", true, |ui| {
+        settings(ui, desk);
+        ui.add_space(4.0);
+        lanes(ui, desk);
+        ui.add_space(4.0);
+        curves(ui, desk);
+    });
+}
+
+fn settings(ui: &mut Ui, desk: &mut Desk) {
+    let mut settings = desk.prefs.settings;
+    let mut quality = settings.quality();
+    row(ui, "Mesh", |ui| {
+        ComboBox::from_id_salt("quality")
+            .selected_text(quality.name())
+            .show_ui(ui, |ui| {
+                for other in Quality::ALL {
+                    ui.selectable_value(&mut quality, other, other.name());
+                }
+            })
+            .response
+            .on_hover_text("How fine the mesh is; another one starts anew");
+    });
+    ui.checkbox(&mut settings.side_by_side, "Four variants side by side")
+        .on_hover_text("Gathering, shooting, sorted, sorted + ambient: from the same start, with the same number of steps");
+    desk.configure(settings.with_quality(quality));
+}
+
+fn lanes(ui: &mut Ui, desk: &Desk) {
+    let Some(snapshot) = &desk.snapshot else {
+        return;
+    };
+    let mesh = snapshot.mesh();
+    let (elements, patches) = (mesh.elements().len() as f64, mesh.patches().len() as f64);
+    fact(
+        ui,
+        "Elements",
+        format!("{} on {} patches", thousands(elements), thousands(patches)),
+    );
+    for (i, lane) in snapshot.lanes.iter().enumerate() {
+        if snapshot.lanes.len() > 1 {
+            ui.label(
+                RichText::new(solver_label(lane.kind))
+                    .color(LINES[i % LINES.len()])
+                    .strong(),
+            );
+        }
+        fact(ui, "Steps", thousands(lane.progress.iteration as f64));
+        fact(ui, "Unshot", share(lane.progress.unshot));
+        if let Some(error) = lane
+            .history
+            .moments()
+            .last()
+            .and_then(|moment| moment.error)
+        {
+            fact(ui, "Error", share(error));
+        }
+    }
+    let balance = (0..3)
+        .map(|band| snapshot.lanes[0].solution.total_balance(band).emitted)
+        .sum::<f64>()
+        / 3.0;
+    fact(ui, "Emitted flux", number(balance));
+}
+
+fn curves(ui: &mut Ui, desk: &Desk) {
+    let Some(snapshot) = &desk.snapshot else {
+        return;
+    };
+    let lanes = || snapshot.lanes.iter().enumerate();
+    let color = |i: usize| LINES[i % LINES.len()];
+    let unshot: Vec<Curve> = lanes()
+        .map(|(i, lane)| Curve {
+            color: color(i),
+            points: lane
+                .history
+                .moments()
+                .iter()
+                .map(|m| [m.seconds, m.unshot])
+                .collect(),
+        })
+        .collect();
+    ui.label(RichText::new("Unshot share over seconds").small().weak());
+    plot(ui, "unshot", 110.0, &unshot);
+    let errors: Vec<Curve> = lanes()
+        .map(|(i, lane)| {
+            let known = lane
+                .history
+                .moments()
+                .iter()
+                .filter_map(|m| Some([m.seconds, m.error?]));
+            Curve {
+                color: color(i),
+                points: known.collect(),
+            }
+        })
+        .collect();
+    if errors.iter().any(|curve| curve.points.len() > 1) {
+        ui.label(
+            RichText::new("Error against the finished light")
+                .small()
+                .weak(),
+        );
+        plot(ui, "error", 110.0, &errors);
+    } else {
+        ui.label(
+            RichText::new(
+                "The error is known once the light is found: restart then, or choose another way.",
+            )
+            .small()
+            .weak(),
+        );
+    }
+}

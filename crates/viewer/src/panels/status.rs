@@ -1,0 +1,85 @@
+//! The line at the bottom: what goes on, what is under the pointer, how long frames take.
+
+use crate::desk::Desk;
+use crate::format::{number, share, thousands};
+use crate::session::Phase;
+use crate::theme::ACCENT;
+use egui::{Align, Layout, RichText, Ui};
+use hemicube_scene::Units;
+
+pub fn show(ui: &mut Ui, desk: &Desk) {
+    ui.add_space(2.0);
+    ui.horizontal(|ui| {
+        let status = &desk.status;
+        let is_busy = matches!(status.phase, Phase::Solving | Phase::Preparing);
+        let phase = RichText::new(status.phase.label()).strong();
+        ui.label(if is_busy { phase.color(ACCENT) } else { phase });
+        if !status.scene.is_empty() {
+            ui.label(&status.scene);
+        }
+        if let Some(lane) = desk.snapshot.as_ref().map(|snapshot| &snapshot.lanes[0]) {
+            let (steps, unshot) = (lane.progress.iteration as f64, lane.progress.unshot);
+            ui.label(format!(
+                "{} steps, {} unshot",
+                thousands(steps),
+                share(unshot)
+            ));
+            if is_busy {
+                ui.label(
+                    RichText::new(format!("{} steps/s", number(status.steps_per_second))).weak(),
+                );
+            }
+        }
+        if !status.warnings.is_empty() {
+            let few: Vec<&str> = status
+                .warnings
+                .iter()
+                .take(20)
+                .map(String::as_str)
+                .collect();
+            ui.label(RichText::new(format!("{} warnings", status.warnings.len())).weak())
+                .on_hover_text(few.join("\n"));
+        }
+        if let Some(note) = &status.note {
+            ui.label(RichText::new("note").color(ACCENT))
+                .on_hover_text(note);
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            frame_time(ui, desk);
+            readout(ui, desk);
+        });
+    });
+    ui.add_space(2.0);
+}
+
+fn frame_time(ui: &mut Ui, desk: &Desk) {
+    let text = match desk.frames.report() {
+        Some(report) => format!("{:.1} ms", 1e3 * report.median.as_secs_f64()),
+        None => String::from("– ms"),
+    };
+    let label = ui.label(RichText::new(text).monospace().weak());
+    if let Some(report) = desk.frames.report() {
+        label.on_hover_text(report.to_string());
+    }
+    ui.separator();
+}
+
+/// Irradiance and illuminance under the pointer.
+fn readout(ui: &mut Ui, desk: &Desk) {
+    let (Some(reading), Some(snapshot)) = (&desk.hover, &desk.snapshot) else {
+        ui.label(RichText::new("point at a surface to measure it").weak());
+        return;
+    };
+    ui.label(
+        RichText::new(format!("{} lx", number(f64::from(reading.illuminance))))
+            .monospace()
+            .strong(),
+    );
+    if snapshot.mesh().scene().units == Units::Radiometric {
+        let [r, g, b] = reading.irradiance.to_array().map(|x| number(f64::from(x)));
+        ui.label(RichText::new(format!("{r} {g} {b} W/m²")).monospace());
+    }
+    if let Some(material) = desk.material(reading.material) {
+        ui.label(RichText::new(&material.name).weak());
+    }
+}

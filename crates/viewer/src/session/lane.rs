@@ -1,0 +1,375 @@
+//! One way to the light, stepped.
+
+use crate::session::{History, LaneView, Moment};
+use hemicube_radiosity::backend::{Backend, Shooter};
+use hemicube_radiosity::compare::{relative_error, shown_radiosity};
+use hemicube_radiosity::form_factor::{FormFactors, MatrixOptions};
+use hemicube_radiosity::solution::BANDS;
+use hemicube_radiosity::solve::{
+    ElementGathering, MatrixSolverKind, NotStarted, OnMatrix, Order, ambient_irradiance,
+};
+use hemicube_radiosity::stop::Stop;
+use hemicube_radiosity::{
+    Progress, RadiosityError, Shooting, Solution, SolveOptions, Solver, SolverKind, Way,
+};
+use hemicube_raster::Rgb;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Patches up to which a matrix method's light is looked at in the middle of a sweep.
+const FEW_PATCHES: usize = 2000;
+
+/// A way to the light as it is put aside: solvers come and go, this stays.
+#[derive(Debug, Clone)]
+pub(super) struct LaneState {
+    pub kind: SolverKind,
+    /// Light that any solver can go on from.
+    pub solution: Solution,
+    pub history: History,
+    /// Seconds of stepping so far.
+    pub seconds: f64,
+}
+
+/// A way to the light at work.
+pub(super) struct Lane<'a> {
+    kind: SolverKind,
+    work: Work<'a>,
+    history: History,
+    seconds: f64,
+    tolerance: f64,
+}
+
+enum Work<'a> {
+    Shooting(Box<Shooting<'a>>),
+    /// It keeps its light on a device.
+    Device(Box<dyn Solver + 'a>),
+    Gathering(Box<Gathering>),
+    Matrix(Box<Priced<'a>>),
+    /// It was told to stop before it could start.
+    Waiting(Box<Solution>),
+}
+
+/// What lanes work with.
+pub(super) struct Tools<'a> {
+    pub factors: &'a dyn FormFactors,
+    pub backend: &'a dyn Backend,
+    pub options: &'a SolveOptions,
+    /// Whether a lane on a matrix does a sweep only when single shots have cost as much.
+    pub in_step: bool,
+    pub stop: Stop<'a>,
+}
+
+impl<'a> Lane<'a> {
+    /// Goes on from where the state is.
+    pub fn new(state: LaneState, tools: &Tools<'a>) -> Result<Self, (RadiosityError, LaneState)> {
+        let LaneState {
+            kind,
+            mut solution,
+            history,
+            seconds,
+        } = state;
+        solution.provenance.solver = kind.name().into();
+        let work = match start(kind, solution, tools) {
+            Ok(work) => work,
+            Err((error, solution)) => {
+                let state = LaneState {
+                    kind,
+                    solution: *solution,
+                    history,
+                    seconds,
+                };
+                return Err((error, state));
+            }
+        };
+        Ok(Self {
+            kind,
+            work,
+            history,
+            seconds,
+            tolerance: tools.options.tolerance,
+        })
+    }
+
+    /// Puts the solver away.
+    pub fn into_state(self) -> LaneState {
+        LaneState {
+            kind: self.kind,
+            solution: match self.work {
+                Work::Shooting(solver) => solver.into_solution(),
+                Work::Matrix(priced) => priced.solver.into_solution(),
+                Work::Device(mut solver) => {
+                    solver.settle();
+                    solver.solution().clone()
+                }
+                Work::Gathering(gathering) => gathering.base,
+                Work::Waiting(solution) => *solution,
+            },
+            history: self.history,
+            seconds: self.seconds,
+        }
+    }
+
+    /// Whether it still waits to be started.
+    pub fn is_waiting(&self) -> bool {
+        matches!(self.work, Work::Waiting(_))
+    }
+
+    /// Does a step.
+    pub fn step(&mut self) {
+        let start = Instant::now();
+        match &mut self.work {
+            Work::Shooting(solver) => drop(solver.step()),
+            Work::Device(solver) => drop(solver.step()),
+            Work::Gathering(gathering) => gathering.step(),
+            Work::Matrix(priced) => priced.step(),
+            Work::Waiting(_) => {}
+        }
+        self.seconds += start.elapsed().as_secs_f64();
+    }
+
+    /// Where it is.
+    pub fn progress(&self) -> Progress {
+        match &self.work {
+            Work::Shooting(solver) => solver.progress(),
+            Work::Device(solver) => solver.progress(),
+            Work::Gathering(gathering) => gathering.progress(),
+            Work::Matrix(priced) => priced.solver.progress(),
+            Work::Waiting(solution) => Progress {
+                iteration: solution.provenance.steps,
+                unshot: 1.0,
+                residual: 1.0,
+            },
+        }
+    }
+
+    /// Whether further steps would change nothing that is seen.
+    pub fn is_finished(&self) -> bool {
+        let progress = self.progress();
+        let is_exhausted = match &self.work {
+            Work::Shooting(solver) => solver.is_exhausted(),
+            Work::Device(solver) => solver.is_exhausted(),
+            Work::Matrix(priced) => priced.solver.is_exhausted(),
+            Work::Gathering(_) | Work::Waiting(_) => false,
+        };
+        progress.unshot <= self.tolerance || progress.residual <= 0.0 || is_exhausted
+    }
+
+    /// The patch whose turn is next.
+    pub fn shooter(&self) -> Option<usize> {
+        match &self.work {
+            Work::Shooting(solver) => Some(solver.next_patch()),
+            Work::Gathering(gathering) => Some(gathering.next()),
+            Work::Device(_) | Work::Matrix(_) | Work::Waiting(_) => None,
+        }
+    }
+
+    /// The light as it stands.
+    pub fn shown(&mut self) -> Solution {
+        match &mut self.work {
+            Work::Shooting(solver) => solver.solution().clone(),
+            Work::Device(solver) => {
+                solver.settle();
+                solver.solution().clone()
+            }
+            Work::Gathering(gathering) => gathering.run.shown().clone(),
+            Work::Matrix(priced) => priced.shown(),
+            Work::Waiting(solution) => (**solution).clone(),
+        }
+    }
+
+    /// What the window sees of it; notes the moment in its history.
+    pub fn view(&mut self, truth: Option<&Solution>) -> LaneView {
+        let solution = self.shown();
+        let ambient = if self.kind == SolverKind::AmbientShooting {
+            ambient_irradiance(&solution)
+        } else {
+            Rgb::BLACK
+        };
+        let error =
+            truth.map(|truth| relative_error(&shown_radiosity(&solution, self.kind), truth));
+        let progress = self.progress();
+        self.history.push(Moment {
+            seconds: self.seconds,
+            steps: progress.iteration,
+            unshot: progress.unshot,
+            error,
+        });
+        LaneView {
+            kind: self.kind,
+            solution: Arc::new(solution),
+            ambient,
+            progress,
+            shooter: self.shooter(),
+            history: Arc::new(self.history.clone()),
+            is_finished: self.is_finished(),
+        }
+    }
+}
+
+fn start<'a>(
+    kind: SolverKind,
+    solution: Solution,
+    tools: &Tools<'a>,
+) -> Result<Work<'a>, (RadiosityError, Box<Solution>)> {
+    match kind.way() {
+        Way::Shooting(order) => shooting(order, solution, tools),
+        Way::OnMatrix(MatrixSolverKind::Gathering) => Ok(Work::Gathering(Box::new(
+            Gathering::new(tools.factors, solution),
+        ))),
+        Way::OnMatrix(kind) => {
+            let options = MatrixOptions {
+                memory_limit: tools.options.memory_limit,
+                ..MatrixOptions::default()
+            };
+            let kept = solution.clone();
+            match OnMatrix::new_until(tools.factors, solution, kind, options, tools.stop) {
+                Ok(solver) => Ok(Work::Matrix(Box::new(Priced::new(
+                    solver,
+                    kind,
+                    tools.in_step,
+                )))),
+                Err(NotStarted::Stopped(solution)) => Ok(Work::Waiting(solution)),
+                Err(NotStarted::Failed(error)) => Err((error, Box::new(kept))),
+            }
+        }
+    }
+}
+
+fn shooting<'a>(
+    order: Order,
+    solution: Solution,
+    tools: &Tools<'a>,
+) -> Result<Work<'a>, (RadiosityError, Box<Solution>)> {
+    // Side by side all shoot by the same rows.
+    if tools.in_step {
+        return Ok(Work::Shooting(Box::new(Shooting::new(
+            tools.factors,
+            solution,
+            order,
+        ))));
+    }
+    let kept = solution.clone();
+    match tools.backend.shooting(solution, tools.options, order) {
+        Ok(Shooter::Own(solver)) => Ok(Work::Device(solver)),
+        Ok(Shooter::None(solution)) => Ok(Work::Shooting(Box::new(Shooting::new(
+            tools.factors,
+            *solution,
+            order,
+        )))),
+        Err(error) => Err((error, Box::new(kept))),
+    }
+}
+
+/// Gathering as it looks. It has no balance of energy; what the last sweep still changed tells how far it is.
+struct Gathering {
+    run: ElementGathering,
+    /// The light that it started from, which other solvers can go on from.
+    base: Solution,
+    /// Irradiance at the end of the last sweep, and what that sweep brought as a share of the emitted flux.
+    before: Vec<f32>,
+    change: f64,
+    steps: u64,
+}
+
+impl Gathering {
+    fn new(factors: &dyn FormFactors, base: Solution) -> Self {
+        Self {
+            run: ElementGathering::new(factors, base.clone()),
+            before: irradiance(&base),
+            base,
+            change: 1.0,
+            steps: 0,
+        }
+    }
+
+    fn next(&self) -> usize {
+        let patches = self.base.mesh().patches().len() as u64;
+        usize::try_from(self.steps % patches.max(1)).unwrap_or(0)
+    }
+
+    fn step(&mut self) {
+        self.run.step();
+        self.steps += 1;
+        if self.next() == 0 {
+            let after = irradiance(self.run.shown());
+            self.change = reflected_change(&self.base, &self.before, &after);
+            self.before = after;
+        }
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            iteration: self.run.shown().provenance.steps,
+            unshot: self.change,
+            residual: self.change,
+        }
+    }
+}
+
+fn channels(solution: &Solution) -> impl Iterator<Item = (usize, usize)> + use<> {
+    let groups = solution.groups().len();
+    (0..groups).flat_map(|group| (0..BANDS).map(move |band| (group, band)))
+}
+
+fn irradiance(solution: &Solution) -> Vec<f32> {
+    let of = |(group, band)| solution.irradiance(group, band).iter().copied();
+    channels(solution).flat_map(of).collect()
+}
+
+/// `Σ A ρ |ΔH|` as a share of the emitted flux.
+fn reflected_change(solution: &Solution, before: &[f32], after: &[f32]) -> f64 {
+    let mesh = solution.mesh();
+    let elements = mesh.elements().len();
+    let mut change = 0.0;
+    for (i, (_, band)) in channels(solution).enumerate() {
+        let range = i * elements..(i + 1) * elements;
+        for (e, (a, b)) in before[range.clone()].iter().zip(&after[range]).enumerate() {
+            let reflected = (a - b).abs() * mesh.reflectance()[e][band];
+            change += f64::from(reflected) * f64::from(mesh.exposed_area(e));
+        }
+    }
+    let emitted = solution.reference_flux();
+    if emitted > 0.0 { change / emitted } else { 0.0 }
+}
+
+/// A method on a matrix, and what one of its rounds costs in single shots.
+struct Priced<'a> {
+    solver: OnMatrix<'a>,
+    price: u64,
+    /// Shots of the other lanes that are not used up.
+    credit: u64,
+}
+
+impl<'a> Priced<'a> {
+    fn new(solver: OnMatrix<'a>, kind: MatrixSolverKind, in_step: bool) -> Self {
+        let patches = solver.solution().mesh().patches().len() as u64;
+        let price = match kind {
+            _ if !in_step => 1,
+            MatrixSolverKind::Jacobi | MatrixSolverKind::GaussSeidel => patches,
+            MatrixSolverKind::ConjugateGradient => 2 * patches,
+            _ => 1,
+        };
+        Self {
+            solver,
+            price,
+            credit: 0,
+        }
+    }
+
+    fn step(&mut self) {
+        self.credit += 1;
+        if self.credit >= self.price {
+            self.credit = 0;
+            self.solver.step();
+        }
+    }
+
+    fn shown(&self) -> Solution {
+        let solution = self.solver.solution();
+        if self.solver.is_pending() && solution.mesh().patches().len() <= FEW_PATCHES {
+            self.solver.snapshot()
+        } else {
+            solution.clone()
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! The model behind the window: a thread that owns scene, mesh and solvers, and what it shows of them.
+//!
+//! The window sends [`Command`]s and reads the newest [`Snapshot`]; neither ever waits for the other. Commands that a
+//! later one makes void are dropped ([`Inbox`]), snapshots that nobody looked at are replaced, histories thin out: nothing grows with
+//! time. Opening a scene is the work of yet another thread, so the light that is there goes on being refined meanwhile and
+//! stays if the new scene cannot be used.
+
+mod command;
+mod history;
+mod inbox;
+mod lane;
+mod loader;
+mod mixer;
+mod settings;
+mod snapshot;
+mod worker;
+
+pub use command::{Command, Source, Watch};
+pub use history::{History, Moment};
+pub use inbox::Inbox;
+pub use mixer::{Mix, MixGroup, MixSource, Mixer};
+pub use settings::{FactorsBy, Settings, VARIANTS};
+pub use snapshot::{HemicubePicture, LaneView, PatchRow, Phase, Snapshot, Status};
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A worker thread and what it says.
+#[derive(Clone)]
+pub struct Session {
+    inbox: Arc<Inbox>,
+    board: Arc<Board>,
+    /// The last handle that is dropped ends the thread.
+    _end: Arc<EndOnDrop>,
+}
+
+impl core::fmt::Debug for Session {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Session")
+            .field("status", &self.status())
+            .finish_non_exhaustive()
+    }
+}
+
+/// What the worker shows and the window reads.
+pub(crate) struct Board {
+    snapshot: Mutex<Option<Arc<Snapshot>>>,
+    status: Mutex<Status>,
+    wake: Mutex<Box<dyn Fn() + Send>>,
+}
+
+struct EndOnDrop {
+    inbox: Arc<Inbox>,
+    _threads: rayon::ThreadPool,
+}
+
+impl Drop for EndOnDrop {
+    fn drop(&mut self) {
+        self.inbox.send(Command::Quit);
+    }
+}
+
+impl Session {
+    /// Starts the thread; it waits for commands.
+    pub fn start(settings: Settings) -> Self {
+        let inbox = Arc::new(Inbox::default());
+        let board = Arc::new(Board {
+            snapshot: Mutex::new(None),
+            status: Mutex::new(Status::default()),
+            wake: Mutex::new(Box::new(|| {})),
+        });
+        let worker = worker::Worker::new(inbox.clone(), board.clone(), settings);
+        // It is one of the threads that it computes with.
+        let threads = background_pool();
+        threads.spawn(move || worker.run());
+        Self {
+            _end: Arc::new(EndOnDrop {
+                inbox: inbox.clone(),
+                _threads: threads,
+            }),
+            inbox,
+            board,
+        }
+    }
+
+    /// `wake` is called, from the worker's thread, when there is something new to see.
+    pub fn wake_by(&self, wake: impl Fn() + Send + 'static) {
+        *lock(&self.board.wake) = Box::new(wake);
+    }
+
+    /// Asks for something; returns at once.
+    pub fn send(&self, command: Command) {
+        self.inbox.send(command);
+    }
+
+    /// The newest state of the light.
+    pub fn snapshot(&self) -> Option<Arc<Snapshot>> {
+        lock(&self.board.snapshot).clone()
+    }
+
+    /// What the worker is doing.
+    pub fn status(&self) -> Status {
+        lock(&self.board.status).clone()
+    }
+
+    /// The message that is shown was read.
+    pub fn dismiss_error(&self) {
+        lock(&self.board.status).error = None;
+    }
+}
+
+impl Board {
+    pub(crate) fn show(&self, snapshot: Snapshot) {
+        *lock(&self.snapshot) = Some(Arc::new(snapshot));
+        self.wake();
+    }
+
+    pub(crate) fn set_status(&self, change: impl FnOnce(&mut Status)) {
+        change(&mut lock(&self.status));
+        self.wake();
+    }
+
+    fn wake(&self) {
+        (lock(&self.wake))();
+    }
+}
+
+/// What a panic left behind is still what was last shown.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Threads for work in the background: all cores but one, which the window draws with.
+pub(crate) fn background_pool() -> rayon::ThreadPool {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(cores.saturating_sub(1).max(1))
+        .thread_name(|i| format!("hemicube background {i}"))
+        .build()
+        .expect("threads can be started")
+}
