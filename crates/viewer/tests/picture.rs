@@ -15,7 +15,10 @@ type Window = Harness<'static, Option<Viewer>>;
 fn window() -> Option<Window> {
     let adapters = hemicube_gpu::adapters();
     if adapters.iter().all(|adapter| adapter.usable.is_err()) {
-        assert!(std::env::var_os("CI").is_none(), "CI has an adapter");
+        assert!(
+            std::env::var_os("HEMICUBE_TESTS_NEED_GPU").is_none(),
+            "CI has an adapter"
+        );
         println!("skipped: no adapter on this machine");
         return None;
     }

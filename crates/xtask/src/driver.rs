@@ -16,11 +16,9 @@ const PACKAGES: [&str; 2] = ["mesa-vulkan-drivers", "libvulkan1"];
 const DISPLAY: [&str; 3] = ["xvfb", "libxkbcommon-x11-0", "imagemagick"];
 
 /// Installs what tests of the GPU and of windows need if it is not there and it can be done: on Linux with apt, as root. Says
-/// how it is done by hand otherwise. Tests decide for themselves what they do without.
-pub fn install() {
-    let has_vulkan =
-        std::env::var_os("VK_DRIVER_FILES").is_some() || FOLDERS.iter().any(has_driver);
-    if !has_vulkan {
+/// how it is done by hand otherwise. Returns whether there is a Vulkan driver then.
+pub fn install() -> bool {
+    if !has_vulkan() {
         install_packages(
             &PACKAGES,
             "no Vulkan driver, so tests of the GPU are skipped",
@@ -32,6 +30,11 @@ pub fn install() {
             "no Xvfb or no ImageMagick, so the test of a real window is skipped",
         );
     }
+    has_vulkan()
+}
+
+fn has_vulkan() -> bool {
+    std::env::var_os("VK_DRIVER_FILES").is_some() || FOLDERS.iter().any(has_driver)
 }
 
 fn install_packages(packages: &[&str], without: &str) {
