@@ -14,7 +14,7 @@ pub fn found(context: Result<Context, hemicube_gpu::GpuError>) -> Option<Arc<Con
     match context {
         Ok(context) => Some(Arc::new(context)),
         Err(error) if std::env::var_os("HEMICUBE_TESTS_NEED_GPU").is_some() => {
-            panic!("{error}; tests of the GPU are not skipped where CI is set")
+            panic!("{error}; there is a driver, so tests of the GPU are not skipped")
         }
         Err(error) => {
             println!("skipped: {error}");
