@@ -46,7 +46,7 @@ pub fn context() -> Option<Arc<hemicube::gpu::Context>> {
             let must_be_there = std::env::var_os("HEMICUBE_TESTS_NEED_GPU").is_some();
             assert!(
                 !must_be_there,
-                "{error}; the GPU's tests are not skipped where CI is set"
+                "{error}; there is a driver, so tests of the GPU are not skipped"
             );
             eprintln!("skipped on the GPU: {error}");
             None
