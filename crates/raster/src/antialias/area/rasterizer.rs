@@ -283,7 +283,7 @@ impl Rasterizer {
         self.active.retain_mut(|chain| {
             let sign = whole(chain.sign * winding);
             walk(chains, chain, y, |piece| {
-                areas.push(signed_area(piece, sign))
+                areas.push(signed_area(piece, sign));
             });
             chain.segment < chain.end
         });
