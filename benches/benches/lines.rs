@@ -31,6 +31,12 @@ const PIXELS: f64 = 4e5;
 type Ends = [IVec2; 2];
 
 fn main() {
+    // What is drawn at once is timed on the pool's only thread.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    pool.expect("a thread can be started").install(measure);
+}
+
+fn measure() {
     println!(
         "million pixels a second of one thread (times that of the first crate that is not ours)"
     );
@@ -329,6 +335,24 @@ fn strokes<'a, P: Blend + 'a>(
     })
 }
 
+/// The same by bands of the picture.
+fn all_strokes<'a, P>(image: &'a mut Image<P>, pixel: P, ends: &[Ends]) -> Box<dyn FnMut() + 'a>
+where
+    P: Blend + Send + Sync + 'a,
+{
+    let line = |ends: &Ends| {
+        let [from, to] = ends.map(|p| p.as_dvec2() + 0.5);
+        antialiased::Line {
+            from,
+            to,
+            width: 1.0,
+            pixel,
+        }
+    };
+    let lines: Vec<_> = ends.iter().map(line).collect();
+    Box::new(move || antialiased::draw_lines(image, &lines))
+}
+
 /// Draws circles of a radius around points.
 fn rings<'a, P: Blend + 'a>(
     image: &'a mut Image<P>,
@@ -362,6 +386,8 @@ fn antialiased_lines(side: usize, length: f64) {
     let mut mask = Image::filled(side, side, 0_u8);
     let mut shares = Image::filled(side, side, 0_f32);
     let mut bytes = Image::filled(side, side, [0_u8; 4]);
+    let (mut mask_at_once, mut bytes_at_once) = (mask.clone(), bytes.clone());
+    let mut image_at_once = image.clone();
     let mut theirs = Rgb32FImage::new(side as u32, side as u32);
     let mut third = image.clone();
     let mut vello = Vello::new(side);
@@ -382,6 +408,18 @@ fn antialiased_lines(side: usize, length: f64) {
             ("ours, f32", strokes(&mut shares, 1.0, &ends)),
             ("ours, [u8; 4]", strokes(&mut bytes, [255; 4], &ends)),
             ("ours, Rgb", strokes(&mut image, Rgb::WHITE, &ends)),
+            (
+                "ours at once, u8",
+                all_strokes(&mut mask_at_once, u8::MAX, &ends),
+            ),
+            (
+                "ours at once, [u8; 4]",
+                all_strokes(&mut bytes_at_once, [255; 4], &ends),
+            ),
+            (
+                "ours at once, Rgb",
+                all_strokes(&mut image_at_once, Rgb::WHITE, &ends),
+            ),
             ("vello_cpu", Box::new(|| vello.stroke(&paths))),
             (
                 "imageproc (Wu)",

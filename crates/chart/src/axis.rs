@@ -100,6 +100,78 @@ fn number(x: f64, step: f64) -> String {
     format!("{sign}{grouped}{point}{rest}")
 }
 
+/// Numbers above 0 on a logarithmic scale from the smallest to the largest, from pixel `start` to pixel `end`. Ticks are
+/// powers of ten, with 2 and 5 times such where there is room, or powers of two.
+pub fn log_number_axis(
+    numbers: impl Iterator<Item = f64>,
+    base: LogBase,
+    start: f64,
+    end: f64,
+) -> Axis {
+    let (low, high) = bounds(numbers);
+    let [low, high] = [low.max(1e-300), high.max(1e-300)];
+    // One number alone has a place in the middle.
+    let (low, high) = if high > low * (1.0 + 1e-9) {
+        (low, high)
+    } else {
+        (low / 2.0, low * 2.0)
+    };
+    let axis = Axis {
+        low: low.log10(),
+        high: high.log10(),
+        is_log: true,
+        ends: [start, end],
+        ticks: Vec::new(),
+    };
+    let is_within = |x: &f64| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(x);
+    let ticks: Vec<f64> = base
+        .ticks(low, high)
+        .into_iter()
+        .filter(is_within)
+        .collect();
+    axis.with_ticks(ticks.into_iter().map(|x| (x, plain(x))))
+}
+
+/// What the ticks of a logarithmic axis of numbers are powers of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogBase {
+    Two,
+    Ten,
+}
+
+impl LogBase {
+    /// Numbers for ticks from about `low` to about `high`, some beyond.
+    fn ticks(self, low: f64, high: f64) -> Vec<f64> {
+        let base: f64 = match self {
+            Self::Two => 2.0,
+            Self::Ten => 10.0,
+        };
+        let [first, last] = [low, high].map(|x| x.ln() / base.ln());
+        let every = ((last - first) / 9.0).ceil().max(1.0);
+        let between: &[f64] = if self == Self::Ten && last - first <= 4.0 {
+            &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0]
+        };
+        let mut ticks = Vec::new();
+        let mut power = (first.floor() / every).floor() * every;
+        while power <= last + 1e-9 {
+            ticks.extend(between.iter().map(|factor| factor * base.powf(power)));
+            power += every;
+        }
+        ticks
+    }
+}
+
+/// A tick's number without noise.
+fn plain(x: f64) -> String {
+    match x {
+        1.0..1e6 => number(x, 1.0),
+        1e-4..1.0 => format!("{x:.6}").trim_end_matches('0').to_owned(),
+        _ => format!("{x:.0e}"),
+    }
+}
+
 /// Shares above 0 on a logarithmic scale, from pixel `start` to pixel `end`, labelled in percent.
 pub fn log_axis(numbers: impl Iterator<Item = f64>, start: f64, end: f64) -> Axis {
     let (low, high) = bounds(numbers);
@@ -178,6 +250,29 @@ mod tests {
                 "1e-10 %", "1e-8 %", "1e-6 %", "1e-4 %", "0.01 %", "1 %", "100 %"
             ]
         );
+    }
+
+    #[test]
+    fn numbers_on_a_logarithmic_axis_are_themselves() {
+        let places = |numbers: &[f64], base| {
+            let axis = log_number_axis(numbers.iter().copied(), base, 0.0, 100.0);
+            let labels: Vec<String> = labels(&axis).into_iter().map(String::from).collect();
+            labels.join(" ")
+        };
+        let octaves = [1.0, 64.0];
+        assert_eq!(places(&octaves, LogBase::Two), "1 2 4 8 16 32 64");
+        let metres = [3.6, 187.0];
+        assert_eq!(places(&metres, LogBase::Ten), "5 10 20 50 100");
+        assert_eq!(places(&[0.02, 0.5], LogBase::Ten), "0.02 0.05 0.1 0.2 0.5");
+        assert_eq!(places(&[0.25, 2.0], LogBase::Two), "0.25 0.5 1 2");
+        let wide = [1.0, 65_536.0];
+        assert_eq!(
+            places(&wide, LogBase::Two),
+            "1 4 16 64 256 1,024 4,096 16,384 65,536"
+        );
+        assert_eq!(places(&[8.0], LogBase::Two), "4 8 16");
+        let axis = log_number_axis([1.0, 16.0].into_iter(), LogBase::Two, 0.0, 100.0);
+        assert!((axis.place(4.0) - 50.0).abs() < 1e-9, "the middle");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Charts and labelled sheets of pictures, as PNG and SVG.
 //!
-//! [`Chart`] draws named curves over a linear axis; its vertical axis is linear or logarithmic ([`Scale`]). The
+//! [`Chart`] draws named curves between two axes, each linear or logarithmic ([`Scale`]). The
 //! [`Drawing`] that it makes becomes an SVG file or pixels of a [`Canvas`], on which pictures and labels are pasted too.
 //!
 //! # Current state
@@ -15,7 +15,7 @@ mod paint;
 pub use drawing::{Anchor, Drawing};
 pub use paint::Canvas;
 
-use axis::{Axis, linear_axis, log_axis};
+use axis::{Axis, LogBase, linear_axis, log_axis, log_number_axis};
 use drawing::Shape;
 
 /// Dark enough to read.
@@ -51,31 +51,34 @@ impl Curve {
         }
     }
 
-    /// Whether there is a line to be seen on a vertical axis of this scale.
+    /// Whether there is a line to be seen between a linear horizontal axis and a vertical one of this scale.
     pub fn is_visible(&self, scale: Scale) -> bool {
-        self.shown(scale).count() > 1
+        self.shown([Scale::Linear, scale]).count() > 1
     }
 
-    /// Points that the axes can show.
-    fn shown(&self, scale: Scale) -> impl Iterator<Item = (f64, f64)> + '_ {
-        let is_shown = move |&(x, y): &(f64, f64)| x.is_finite() && scale.shows(y);
+    /// Points that a horizontal and a vertical axis can show.
+    fn shown(&self, [across, up]: [Scale; 2]) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let is_shown = move |&(x, y): &(f64, f64)| across.shows(x) && up.shows(y);
         self.points.iter().copied().filter(is_shown)
     }
 }
 
-/// How a vertical axis counts.
+/// How an axis counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scale {
-    /// Powers of ten at equal distances; values that are not above 0 are left out.
+    /// Powers of ten at equal distances; values that are not above 0 are left out. A vertical axis shows whole decades
+    /// and is labelled in percent, a horizontal one with the numbers.
     #[default]
     Logarithmic,
+    /// As [`Self::Logarithmic`], with powers of two as labels.
+    Octaves,
     /// Equal steps at equal distances.
     Linear,
 }
 
 impl Scale {
-    fn shows(self, y: f64) -> bool {
-        y.is_finite() && (self == Self::Linear || y > 0.0)
+    fn shows(self, number: f64) -> bool {
+        number.is_finite() && (self == Self::Linear || number > 0.0)
     }
 }
 
@@ -88,6 +91,8 @@ pub struct Chart {
     pub x_label: String,
     /// Above the vertical axis.
     pub y_label: String,
+    /// How the horizontal axis counts.
+    pub x_scale: Scale,
     /// How the vertical axis counts.
     pub y_scale: Scale,
     /// Drawn in this order.
@@ -120,16 +125,23 @@ impl Chart {
             top: 66.0,
             bottom: height as f64 - 56.0,
         };
-        let points = || self.curves.iter().flat_map(|c| c.shown(self.y_scale));
-        let x = linear_axis(points().map(|(x, _)| x), area.left, area.right);
+        let scales = [self.x_scale, self.y_scale];
+        let points = || self.curves.iter().flat_map(|c| c.shown(scales));
+        let steps = points().map(|(x, _)| x);
+        let x = match self.x_scale {
+            Scale::Logarithmic => log_number_axis(steps, LogBase::Ten, area.left, area.right),
+            Scale::Octaves => log_number_axis(steps, LogBase::Two, area.left, area.right),
+            Scale::Linear => linear_axis(steps, area.left, area.right),
+        };
         let values = points().map(|(_, y)| y);
         let y = match self.y_scale {
             Scale::Logarithmic => log_axis(values, area.bottom, area.top),
+            Scale::Octaves => log_number_axis(values, LogBase::Two, area.bottom, area.top),
             Scale::Linear => linear_axis(values, area.bottom, area.top),
         };
         self.draw_axes(&mut drawing, area, &x, &y);
         let places = |curve: &Curve| -> Vec<[f64; 2]> {
-            let shown = curve.shown(self.y_scale);
+            let shown = curve.shown(scales);
             shown
                 .map(|(at, share)| [x.place(at), y.place(share)])
                 .collect()
@@ -253,6 +265,7 @@ mod tests {
             title: String::from("a < b & \"c\""),
             x_label: String::from("steps"),
             y_label: String::from("share"),
+            x_scale: Scale::Linear,
             y_scale: Scale::Logarithmic,
             curves: vec![Curve::new("only", points)],
         }

@@ -158,6 +158,7 @@ impl History {
             ),
             x_label: String::from("steps"),
             y_label: String::from("share of emitted light; error: of reflected light"),
+            x_scale: Scale::Linear,
             y_scale: Scale::Logarithmic,
             curves: [
                 curve("unshot", &|e| Some(e.progress.unshot)),

@@ -170,6 +170,10 @@ fn contradictions_are_wrong_usage_in_words() {
             &["solve", "cornell", "--resume", "lit.glb"],
             "another scene",
         ),
+        (&["gallery", "lines"], "add -o DIR"),
+        (&["gallery", "--size", "96x96"], "add -o DIR"),
+        (&["gallery", "--file", "in.csv"], "add -o DIR"),
+        (&["gallery", "--seed", "0"], "add -o DIR"),
         (
             &[
                 "solve",
@@ -187,6 +191,17 @@ fn contradictions_are_wrong_usage_in_words() {
         assert!(error.contains(wanted), "{args:?}: {error}");
     }
     assert_eq!(folder.files(), ["in.csv", "lit.glb"], "no output");
+}
+
+#[test]
+fn an_exhibit_that_is_named_twice_is_drawn_once() {
+    let folder = Folder::new();
+    let draw = |names: &[&str]| {
+        let args = [&["gallery", "-o", "."], names].concat();
+        folder.json(&args)["files"].clone()
+    };
+    let twice = draw(&["fill-rules", "filters", "fill-rules"]);
+    assert_eq!(twice, draw(&["fill-rules", "filters"]));
 }
 
 #[test]

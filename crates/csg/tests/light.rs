@@ -127,6 +127,20 @@ fn two_mirrors_that_face_each_other_end() -> Result<(), CsgError> {
 }
 
 #[test]
+fn mirrors_without_end_stop_at_the_most_that_the_stack_holds() -> Result<(), CsgError> {
+    let silver = plain(Rgb::BLACK)?.with_coat(Rgb::splat(0.99))?;
+    let wall = |side: DVec3| Ok(Solid::half_space(side, -side)?.with_material(silver.clone()));
+    let room = || Ok::<_, CsgError>(Scene::new([wall(DVec3::NEG_X)?, wall(DVec3::X)?]));
+    let ray = Ray::new(DVec3::ZERO, DVec3::X);
+    // Followed until they count nothing, there would be 917 mirrors and no light.
+    let light = room()?.with_reflections(u32::MAX).radiance(&ray);
+    assert!((light.g - 0.99_f32.powi(257)).abs() < 1e-5, "{light:?}");
+    let at_most = room()?.with_reflections(256).radiance(&ray);
+    assert_eq!(light, at_most, "more count as 256");
+    Ok(())
+}
+
+#[test]
 fn nearest_hits_are_those_of_the_spans() {
     let mut numbers = Numbers::new(23);
     let solids: Vec<Solid> = (0..40).map(|_| tree(&mut numbers, 2)).collect();

@@ -123,6 +123,7 @@ fn scan_line_sheet(
         title: format!("Luminosity along row {row}"),
         x_label: String::from("column"),
         y_label: String::from("displayed luminance"),
+        x_scale: Scale::Linear,
         y_scale: Scale::Linear,
         curves: lines.iter().map(curve).collect(),
     };

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use hemicube_raster::Image;
 use hemicube_raster::line::Dashes;
-use hemicube_raster::line::antialiased::{draw_line, draw_stroke};
+use hemicube_raster::line::antialiased::{Line, draw_line, draw_lines, draw_stroke};
 use hemicube_raster::stroke::{Cap, Join, Path, Stroke};
 use hemicube_raster::target::Window;
 use proptest::prelude::*;
@@ -231,6 +231,72 @@ fn bytes_are_floats_rounded_to_the_nearest() {
         let off = (f32::from(second) - (100.0 - 50.0 * share)).abs();
         assert!(off < 0.5001, "pixel {k}: {second} of {share}");
     }
+}
+
+#[test]
+fn lines_drawn_at_once_are_those_drawn_one_by_one() {
+    // 1500 pixels of three floats: bands of 14 rows.
+    let mut seed = 0_u64;
+    let mut random = |low: f64, high: f64| {
+        seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * (seed >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let mut lines: Vec<Line<[f32; 3]>> = (0..300)
+        .map(|i| Line {
+            from: DVec2::new(random(-50.0, 1550.0), random(-20.0, 110.0)),
+            to: DVec2::new(random(-50.0, 1550.0), random(-20.0, 110.0)),
+            width: random(0.2, 5.0),
+            pixel: [f64::from(i), random(0.0, 1.0), 1.0].map(|x| x as f32 / 300.0),
+        })
+        .collect();
+    for (from, to, width) in [
+        (DVec2::new(f64::NAN, 3.0), DVec2::ONE, 1.0),
+        (DVec2::new(3.0, 50.0), DVec2::new(f64::INFINITY, 80.0), 1.0),
+        (DVec2::ZERO, DVec2::new(30.0, 90.0), -7.0),
+        (DVec2::ZERO, DVec2::new(30.0, 90.0), f64::NAN),
+        (DVec2::new(9.0, -1e300), DVec2::new(9.0, 1e300), 1e300),
+    ] {
+        let pixel = [1.0; 3];
+        lines.push(Line {
+            from,
+            to,
+            width,
+            pixel,
+        });
+    }
+    // Ends at a border of bands.
+    lines.extend([13.5, 14.0, 28.0].map(|y| Line {
+        from: DVec2::new(700.5, y),
+        to: DVec2::new(700.5, 28.5),
+        width: 1.0,
+        pixel: [1.0; 3],
+    }));
+    let mut expected = Image::filled(1500, 90, [0.0; 3]);
+    for line in &lines {
+        draw_line(
+            &mut expected.pen(line.pixel),
+            line.from,
+            line.to,
+            line.width,
+        );
+    }
+    let drawn = |threads| {
+        let mut image = Image::filled(1500, 90, [0.0; 3]);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.expect("threads can be started");
+        pool.install(|| draw_lines(&mut image, &lines));
+        image
+    };
+    let one = drawn(1);
+    assert_eq!(one, drawn(8), "threads");
+    for (k, (a, b)) in one.pixels().iter().zip(expected.pixels()).enumerate() {
+        let off = (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f32::max);
+        assert!(off < 1e-5, "pixel {k}: {a:?} and {b:?}");
+    }
+    draw_lines(&mut Image::filled(0, 4, [0.0; 3]), &lines);
+    draw_lines(&mut Image::filled(4, 0, [0.0; 3]), &lines);
 }
 
 #[test]

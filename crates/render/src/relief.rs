@@ -49,14 +49,22 @@ pub(crate) fn bumped(
     } else {
         gradient
     };
-    // Eight bits a coordinate make a unit normal shorter by up to this, which is no roughness.
-    const ROUNDING: f32 = 1.732 / 255.0;
-    let length = (in_texture.length() + ROUNDING).clamp(0.05, 1.0);
     Bumped {
         normal: gradient.apply(normal),
-        // Toksvig 2005: unit normals of variance s² have a mean of length 1 / (1 + s²), about.
-        variance: 1.0 / length - 1.0,
+        variance: variance(in_texture),
     }
+}
+
+/// Eight bits a coordinate make a unit normal shorter by up to this, which is no roughness: a 255th in each direction by
+/// rounding, and of x and y by another `1 - |x|` of it, as [`signed`] reads them. The greatest value of
+/// `|z| + |x| (2 - |x|) + |y| (2 - |y|)` on the unit sphere is 2.224.
+const ROUNDING: f32 = 2.224 / 255.0;
+
+/// The variance of slopes of which a mean normal is left. Unit normals of variance s² have a mean of length
+/// `1 / (1 + s²)`, about (Toksvig 2005).
+fn variance(mean: Vec3) -> f32 {
+    let length = (mean.length() + ROUNDING).clamp(0.05, 1.0);
+    1.0 / length - 1.0
 }
 
 /// The mean of the normals under the footprint; shorter than 1 where they differ.
@@ -119,6 +127,50 @@ fn normal_of_heights(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A normal as it comes back from 8 bits.
+    fn kept_in_bytes(normal: Vec3) -> Vec3 {
+        let code = |x: f32| ((x * 0.5 + 0.5) * 255.0).round() / 255.0;
+        let [x, y] = [normal.x, normal.y].map(|x| signed(code(x)));
+        Vec3::new(x, y, code(normal.z) * 2.0 - 1.0)
+    }
+
+    #[test]
+    fn rounding_to_bytes_is_no_roughness() {
+        let mut shortest: f32 = 1.0;
+        for i in 0..200_u8 {
+            for k in 0..200_u8 {
+                let (turn, z) = (f32::from(i) * 0.031_416, (f32::from(k) + 0.5) / 200.0);
+                let flat = Vec2::from_angle(turn) * (1.0 - z * z).sqrt();
+                let kept = kept_in_bytes(flat.extend(z));
+                assert_eq!(
+                    variance(kept),
+                    0.0,
+                    "{flat}, {z}: {kept} of {}",
+                    kept.length()
+                );
+                shortest = shortest.min(kept.length());
+            }
+        }
+        assert!(
+            1.0 - shortest > 0.5 * ROUNDING,
+            "{shortest}: the bound is far from needed"
+        );
+    }
+
+    #[test]
+    fn normals_that_differ_leave_their_variance() {
+        for slope in [0.2_f32, 0.4] {
+            let mean = [slope, -slope].map(|s| Vec3::new(s, 0.0, 1.0).normalize() * 0.5);
+            let found = variance(mean[0] + mean[1]);
+            // The length is (1 + s²)^-1/2: along one direction half of what spreads along two.
+            let expected = (1.0 + slope * slope).sqrt() - 1.0;
+            assert!(
+                (found - expected).abs() < 1.2 * ROUNDING,
+                "{slope}: {found}, {expected}"
+            );
+        }
+    }
 
     #[test]
     fn codes_beside_the_middle_are_flat_and_the_ends_are_kept() {

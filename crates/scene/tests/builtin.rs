@@ -1,6 +1,6 @@
 //! The built-in scenes against their sources and against what geometry demands.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use hemicube_raster::Rgb;
 use hemicube_scene::builtin::{self, SceneBuilder, Sides};
 use hemicube_scene::{Face, Material, Scene, Units};
@@ -32,7 +32,7 @@ fn faces(scene: &Scene) -> Vec<(String, usize, Vec<Vec3>)> {
 }
 
 /// Area times normal of a polygon, in f64: sums must balance.
-fn vector_area(corners: &[Vec3]) -> glam::DVec3 {
+fn vector_area(corners: &[Vec3]) -> DVec3 {
     let at = |i: usize| corners[i].as_dvec3();
     (1..corners.len() - 1)
         .map(|i| (at(i) - at(0)).cross(at(i + 1) - at(0)) * 0.5)
@@ -92,7 +92,7 @@ fn agrees_with_its_file(name: &str, json: &str) -> Scene {
     for (quad, instance) in quads.iter().zip(&scene.instances) {
         let (mesh, node) = (&scene.meshes[instance.mesh], &instance.node);
         assert_eq!(Some(node.as_str()), quad["name"].as_str(), "names in order");
-        let placed: Vec<glam::DVec3> = mesh
+        let placed: Vec<DVec3> = mesh
             .faces
             .iter()
             .map(|face| {
@@ -113,7 +113,7 @@ fn agrees_with_its_file(name: &str, json: &str) -> Scene {
             "{node}: area {area}, not {wanted}"
         );
         let normal = &quad["normal"];
-        let normal = glam::DVec3::new(band(normal, 0), band(normal, 1), band(normal, 2));
+        let normal = DVec3::new(band(normal, 0), band(normal, 1), band(normal, 2));
         assert!(
             placed[0].normalize().dot(normal) > 0.9999,
             "{node}: front {} not {normal}",
@@ -188,7 +188,7 @@ fn furnace_is_closed_and_looks_inward() {
     for (reflectance, exitance) in [(0.5, 1.0), (0.9, 2.0)] {
         let scene = builtin::furnace_with(reflectance, exitance);
         let faces = faces(&scene);
-        let total: glam::DVec3 = faces.iter().map(|f| vector_area(&f.2)).sum();
+        let total: DVec3 = faces.iter().map(|f| vector_area(&f.2)).sum();
         assert!(
             total.length() < 1e-6,
             "a closed surface has no vector area: {total}"
@@ -215,8 +215,8 @@ fn furnace_is_closed_and_looks_inward() {
 #[test]
 fn plates_face_each_other() {
     for (name, source, receiver) in [
-        ("parallel-plates", glam::DVec3::Y, glam::DVec3::NEG_Y),
-        ("perpendicular-plates", glam::DVec3::Y, glam::DVec3::Z),
+        ("parallel-plates", DVec3::Y, DVec3::NEG_Y),
+        ("perpendicular-plates", DVec3::Y, DVec3::Z),
     ] {
         let faces = faces(&scene(name));
         assert_eq!(
@@ -459,7 +459,7 @@ fn volume(draw: impl FnOnce(&mut SceneBuilder, usize)) -> f64 {
     builder.node("solid");
     draw(&mut builder, material);
     let faces = faces(&builder.finish());
-    let total: glam::DVec3 = faces.iter().map(|f| vector_area(&f.2)).sum();
+    let total: DVec3 = faces.iter().map(|f| vector_area(&f.2)).sum();
     assert!(total.length() < 1e-5, "not closed: {total}");
     faces
         .iter()
@@ -503,4 +503,77 @@ fn built_solids_are_closed_and_look_outward() {
     }
     let plate = volume(|b, m| b.plate(m, 3, 2, |u, v, w| Vec3::new(2.0 * u, v, 0.5 * w)));
     assert!((plate - 1.0).abs() < 1e-5, "plate: {plate}");
+}
+
+/// The part of a convex polygon in the plane on the left of a line (Sutherland and Hodgman 1974).
+fn left_of(polygon: &[DVec2], from: DVec2, to: DVec2) -> Vec<DVec2> {
+    let side = |p: DVec2| (to - from).perp_dot(p - from);
+    let mut kept = Vec::new();
+    for (i, &b) in polygon.iter().enumerate() {
+        let a = polygon[(i + polygon.len() - 1) % polygon.len()];
+        let (da, db) = (side(a), side(b));
+        if (da >= 0.0) != (db >= 0.0) {
+            kept.push(a.lerp(b, da / (da - db)));
+        }
+        if db >= 0.0 {
+            kept.push(b);
+        }
+    }
+    kept
+}
+
+/// The area that two convex polygons of one plane have in common; both counter-clockwise seen against its normal.
+fn common_area(a: &[Vec3], b: &[Vec3], normal: DVec3) -> f64 {
+    let right = normal.any_orthonormal_vector();
+    let up = normal.cross(right);
+    let flat = |p: &Vec3| DVec2::new(p.as_dvec3().dot(right), p.as_dvec3().dot(up));
+    let other: Vec<DVec2> = b.iter().map(flat).collect();
+    let mut rest: Vec<DVec2> = a.iter().map(flat).collect();
+    for (i, &from) in other.iter().enumerate() {
+        rest = left_of(&rest, from, other[(i + 1) % other.len()]);
+    }
+    let next = rest.iter().cycle().skip(1);
+    let doubled: f64 = rest.iter().zip(next).map(|(p, q)| p.perp_dot(*q)).sum();
+    0.5 * doubled.abs()
+}
+
+#[test]
+fn no_face_lies_upon_another() {
+    for listed in builtin::list() {
+        let scene = scene(listed.name);
+        let all = faces(&scene);
+        // By roughly equal normals and then by place, so that neighbours in the list may lie in one plane.
+        let mut sides: Vec<([i64; 3], f64, usize)> = (0..all.len())
+            .filter_map(|i| {
+                let normal = vector_area(&all[i].2).try_normalize()?;
+                let key = (normal * 200.0).round().as_i64vec3().to_array();
+                Some((key, normal.dot(all[i].2[0].as_dvec3()), i))
+            })
+            .collect();
+        sides.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let size = all.iter().flat_map(|(_, _, corners)| corners);
+        let size = size.fold(0.0, |most: f32, p| most.max(p.abs().max_element()));
+        let mut found = Vec::new();
+        for (i, (key, place, face)) in sides.iter().enumerate() {
+            let (node, _, corners) = &all[*face];
+            let normal = vector_area(corners).normalize();
+            let in_plane = |other: &&([i64; 3], f64, usize)| {
+                other.0 == *key && other.1 - place < 3e-5 * f64::from(size)
+            };
+            for (_, _, other) in sides[i + 1..].iter().take_while(in_plane) {
+                let (other_node, _, other_corners) = &all[*other];
+                let area = common_area(corners, other_corners, normal);
+                let smaller = vector_area(corners)
+                    .length()
+                    .min(vector_area(other_corners).length());
+                if area > 1e-3 * smaller {
+                    found.push(format!(
+                        "{area:.6} of {node} and {other_node} near {}",
+                        corners[0]
+                    ));
+                }
+            }
+        }
+        assert!(found.is_empty(), "{}: {}", listed.name, found.join("\n"));
+    }
 }

@@ -217,9 +217,9 @@ pub struct GalleryVerb {
     /// A file that an exhibit needs; once for each, in the order of the list
     #[arg(long = "file", value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// Seed of what is random in them
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub seed: u64,
+    /// Seed of what is random in them [default: 0]
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
 }
 
 const COMPARE_HELP: &str = "\

@@ -219,6 +219,7 @@ impl Comparison {
             ),
             x_label: String::from("steps"),
             y_label: String::from("RMS error of radiosity, of reflected light"),
+            x_scale: Scale::Linear,
             y_scale: Scale::Logarithmic,
             curves: self.variants.iter().map(curve).collect(),
         };

@@ -268,7 +268,7 @@ impl Computed {
             "scene     {} ({})
 factors   {n} x {n} by {}, {}, {:.1} s
 closure   rows sum to 1 within {}{}
-pairs     A_i F_ij = A_j F_ji within {} of the smaller area: '{}', '{}'
+pairs     A_i F_ij = A_j F_ji {}
 largest   {:.5} from '{}' to '{}'
 sky       {} of all, at most {} of '{}'
 ",
@@ -283,9 +283,7 @@ sky       {} of all, at most {} of '{}'
             } else {
                 ""
             },
-            error(facts.reciprocity_error),
-            name(facts.worst_pair[0]),
-            name(facts.worst_pair[1]),
+            self.reciprocity(&facts),
             facts.largest_factor,
             name(facts.largest_pair[0]),
             name(facts.largest_pair[1]),
@@ -316,6 +314,16 @@ sky       {} of all, at most {} of '{}'
             }
         }
         text + &self.warnings().text()
+    }
+
+    /// How well reciprocity holds, and where it holds worst; no pair is worst where it is exact.
+    fn reciprocity(&self, facts: &Facts) -> String {
+        if facts.reciprocity_error == 0.0 {
+            return String::from("exactly");
+        }
+        let [a, b] = facts.worst_pair.map(|i| one_line(self.name(i)));
+        let error = error(facts.reciprocity_error);
+        format!("within {error} of the smaller area: '{a}', '{b}'")
     }
 
     fn warnings(&self) -> Warnings {

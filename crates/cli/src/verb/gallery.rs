@@ -12,7 +12,8 @@ use std::path::Path;
 /// Lists the exhibits, or draws those named.
 pub fn run(args: &GalleryVerb, global: GlobalArgs) -> Result<(), Failure> {
     let Some(folder) = &args.output else {
-        if !args.names.is_empty() {
+        let is_drawn = args.size.is_some() || args.seed.is_some() || !args.files.is_empty();
+        if is_drawn || !args.names.is_empty() {
             return Err(Failure::Usage(String::from(
                 "drawing exhibits needs a folder; add -o DIR",
             )));
@@ -68,7 +69,10 @@ fn chosen(args: &GalleryVerb, global: GlobalArgs) -> Result<Vec<&'static Exhibit
             format!("{name} needs {}, in this order", needs(exhibit))
         }))
     };
-    args.names.iter().map(find).collect()
+    // A name that is given twice is drawn once.
+    let is_first = |&(i, name): &(usize, &String)| !args.names[..i].contains(name);
+    let names = args.names.iter().enumerate().filter(is_first);
+    names.map(|(_, name)| find(name)).collect()
 }
 
 /// The options that name an exhibit's files.
@@ -85,7 +89,7 @@ fn needs(exhibit: &Exhibit) -> String {
 fn draw(exhibit: &Exhibit, args: &GalleryVerb, folder: &Path) -> Result<Vec<String>, Failure> {
     let request = Request {
         size: args.size.map(|(w, h)| (w as usize, h as usize)),
-        seed: args.seed,
+        seed: args.seed.unwrap_or(0),
         files: args.files.clone(),
     };
     let pieces = (exhibit.draw)(&request).map_err(|error| of_exhibit(exhibit, &error))?;

@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 
 pub(super) const COVERAGE_ERROR: Exhibit = Exhibit {
     name: "coverage-error",
-    about: "Coverage against exact area for every pattern and filter: RMS, largest, bias; near-level edges; moiré left",
+    about: "Coverage against exact area for every pattern and filter: RMS, largest, bias; near-level edges; moiré or noise left",
     needs: &[],
     draw,
 };
@@ -86,7 +86,7 @@ fn rows(triangle_count: usize, bar_count: usize, seed: u64) -> Vec<Row> {
 
 fn table(rows: &[Row]) -> String {
     let mut csv = String::from(
-        "antialiasing,pixels,rms,rms_255,largest,bias,near_level_rms,near_level_largest,moire_rms,contrast_kept\n",
+        "antialiasing,pixels,rms,rms_255,largest,bias,near_level_rms,near_level_largest,moire_or_noise_rms,contrast_kept\n",
     );
     for row in rows {
         let t = row.triangles;
@@ -128,6 +128,7 @@ fn chart(seed: u64) -> Chart {
         title: String::from("RMS error of coverage (1 / 255 = 0.4 %)"),
         x_label: String::from("samples per pixel in each direction"),
         y_label: String::from("RMS error at edges"),
+        x_scale: Scale::Linear,
         y_scale: Scale::Logarithmic,
         curves: vec![
             curve("regular", false, &triangles),

@@ -103,6 +103,7 @@ fn chart(title: &str, x_label: &str, y_label: &str, curves: Vec<Curve>) -> Chart
         title: title.to_owned(),
         x_label: x_label.to_owned(),
         y_label: y_label.to_owned(),
+        x_scale: Scale::Linear,
         y_scale: Scale::Linear,
         curves,
     }

@@ -138,6 +138,7 @@ fn chart() -> Chart {
         title: String::from("Light of small polygons in motion"),
         x_label: String::from("moved by, pixels"),
         y_label: String::from("sum of all pixels"),
+        x_scale: Scale::Linear,
         y_scale: Scale::Linear,
         curves: light().into_iter().map(curve).collect(),
     }

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 pub(super) const ZONE_PLATE: Exhibit = Exhibit {
     name: "zone-plate",
-    about: "Rings up to one cycle per pixel by each pattern and filter: moiré left, contrast kept",
+    about: "Rings up to one cycle per pixel by each pattern and filter: moiré left (noise where samples are jittered), contrast kept",
     needs: &[],
     draw,
 };
@@ -33,21 +33,31 @@ const WAYS: [&str; 12] = [
 fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
     let (side, _) = picture_size(request, (256, 256))?;
     let mut cells = Vec::new();
-    let mut csv = String::from("antialiasing,moire_rms,contrast_kept\n");
+    let mut csv = String::from("antialiasing,left_rms,left_as,contrast_kept\n");
     for name in WAYS {
         let antialiasing = seeded(named(name), request.seed);
         let truth = zone_plate(side as f64);
         let color = |x: f64, y: f64| Rgb::splat(truth(x, y));
         let image = render(&color, (side, side), antialiasing);
         let error = zone_plate_error(antialiasing, side);
-        let figures = format!("moiré {:.3} kept {:.2}", error.moire, error.kept);
+        let left = left_as(antialiasing.pattern);
+        let figures = format!("{left} {:.3} kept {:.2}", error.moire, error.kept);
         cells.push(Cell::new(image, &[name, &figures]));
-        let _ = writeln!(csv, "{name},{:.5},{:.5}", error.moire, error.kept);
+        let _ = writeln!(csv, "{name},{:.5},{left},{:.5}", error.moire, error.kept);
     }
     Ok(vec![
         Piece::sheet("", &sheet(&cells, 4))?,
         Piece::csv("", csv),
     ])
+}
+
+/// What frequencies become that pixels cannot show: samples on a grid make rings of them that were not there, jittered
+/// ones noise of about the same contrast.
+fn left_as(pattern: Pattern) -> &'static str {
+    match pattern {
+        Pattern::Regular => "moiré",
+        Pattern::Jittered { .. } => "noise",
+    }
 }
 
 fn seeded(antialiasing: Antialiasing, seed: u64) -> Antialiasing {

@@ -240,13 +240,14 @@ fn far_error(rows: &[Row], method: usize) -> f64 {
 
 fn chart(rows: &[Row]) -> Chart {
     let curve = |(i, (name, ..)): (usize, &Method)| {
-        let points = rows.iter().map(|row| (row.distance.log10(), row.error[i]));
+        let points = rows.iter().map(|row| (row.distance, row.error[i]));
         Curve::new(*name, points.collect())
     };
     Chart {
         title: String::from("Glitter of a bumpy plane"),
-        x_label: String::from("log10 of the distance in metres"),
+        x_label: String::from("distance in metres"),
         y_label: String::from("mean difference from the truth, over its mean"),
+        x_scale: Scale::Logarithmic,
         y_scale: Scale::Logarithmic,
         curves: METHODS[..METHODS.len() - 1]
             .iter()

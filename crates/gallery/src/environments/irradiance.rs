@@ -59,6 +59,7 @@ pub fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         title: String::from("Irradiance by spherical harmonics"),
         x_label: String::from("degree"),
         y_label: String::from("RMS error / mean"),
+        x_scale: Scale::Linear,
         y_scale: Scale::Logarithmic,
         curves,
     };

@@ -161,6 +161,7 @@ fn decision_chart() -> Chart {
         title: String::from("Midpoint circle of radius 60: additions only"),
         x_label: String::from("x"),
         y_label: String::from("F at the midpoint, and its first-order differences"),
+        x_scale: Scale::Linear,
         y_scale: Scale::Linear,
         curves: vec![
             curve("decision", &|s| s.decision),

@@ -96,6 +96,7 @@ fn error_chart() -> Chart {
         title: String::from("Bresenham: at an error term of 0 or more the next step goes across"),
         x_label: String::from("step"),
         y_label: String::from("pixels across"),
+        x_scale: Scale::Linear,
         y_scale: Scale::Linear,
         curves: vec![
             curve("error term / 2 dx", &|s| s.error as f64 / doubled),
@@ -175,6 +176,7 @@ fn light_chart() -> Chart {
         title: String::from("Light of a line of width 1 for each pixel of its length"),
         x_label: String::from("degrees"),
         y_label: String::from("covered pixels / length"),
+        x_scale: Scale::Linear,
         y_scale: Scale::Linear,
         curves: vec![
             curve("whole pixels", light_of_whole),

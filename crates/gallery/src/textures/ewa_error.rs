@@ -34,13 +34,14 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         }
     }
     let curve = |(name, errors): &(&'static str, Vec<f64>)| {
-        let limits = LIMITS.iter().map(|limit| f64::from(limit.log2()));
+        let limits = LIMITS.iter().map(|limit| f64::from(*limit));
         Curve::new(*name, limits.zip(errors.iter().copied()).collect())
     };
     let chart = Chart {
         title: String::from("A chequered plane to the horizon"),
-        x_label: String::from("log2 of the largest anisotropy"),
+        x_label: String::from("largest anisotropy"),
         y_label: format!("RMS error against {} points per pixel", POINTS * POINTS),
+        x_scale: Scale::Octaves,
         y_scale: Scale::Logarithmic,
         curves: curves.iter().map(curve).collect(),
     };

@@ -61,6 +61,7 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         title: String::from("Shimmering of a slow move"),
         x_label: String::from("rows below the horizon"),
         y_label: y_label.to_owned(),
+        x_scale: Scale::Linear,
         y_scale: Scale::Linear,
         curves,
     };

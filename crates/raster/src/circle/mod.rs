@@ -264,22 +264,23 @@ fn draw_whole(target: &mut impl Target, center: IVec2, radius: i32) {
     octant.advance();
     while octant.x < octant.y {
         let [x, y] = [low_bits(octant.x), low_bits(octant.y)];
-        target.pixel(cx - x, cy - y);
-        target.pixel(cx + x, cy - y);
-        target.pixel(cx - y, cy - x);
-        target.pixel(cx + y, cy - x);
-        target.pixel(cx - y, cy + x);
-        target.pixel(cx + y, cy + x);
-        target.pixel(cx - x, cy + y);
-        target.pixel(cx + x, cy + y);
+        two_rows(target, center, x, y);
+        two_rows(target, center, y, x);
         octant.advance();
     }
     if octant.x == octant.y {
-        let d = low_bits(octant.x);
-        for [dx, dy] in [[-d, -d], [d, -d], [-d, d], [d, d]] {
-            target.pixel(cx + dx, cy + dy);
-        }
+        two_rows(target, center, low_bits(octant.x), low_bits(octant.x));
     }
+}
+
+/// Sets the two mirror images in each of two rows.
+#[inline(always)]
+fn two_rows(target: &mut impl Target, center: IVec2, x: i32, y: i32) {
+    let IVec2 { x: cx, y: cy } = center;
+    target.pixel(cx - x, cy - y);
+    target.pixel(cx + x, cy - y);
+    target.pixel(cx - x, cy + y);
+    target.pixel(cx + x, cy + y);
 }
 
 /// Fills a circle: [`draw_circle`]'s pixels and all between them, row by row from the top, each once.

@@ -6,9 +6,10 @@
 //! 1. Contours are cut into *chains* that run down.
 //! 2. Of each row, the chains in it are put in order from left to right. Where they do not overlap in x, the winding number
 //!    on both sides of each is known; where they do, the row is cut at corners and crossings until they are in order.
-//!    An edge with the same side of the rule to its left and right is dropped, all others count up or down by 1.
-//! 3. Each remaining edge adds to a row of differences, so that their running sum is the coverage of each pixel (signed
-//!    areas, as in the rasterisers of fonts).
+//!    An edge with the same side of the rule to its left and right is dropped, all others count up or down by 1. Of rows in
+//!    which no edge begins, ends or crosses another one this is done once for all of them.
+//! 3. The coverage of a pixel is the sum of what the remaining edges have to their right in it (signed areas, as in the
+//!    rasterisers of fonts), eight pixels at once.
 //! 4. Runs of pixels leave as spans ([`Spans`]): single values where edges are, one value for all pixels between them.
 //!
 //! Coordinates and edges are `f64`, sums are `f32`: coverage is exact to about 1e-6, up to a hundred thousand pixels

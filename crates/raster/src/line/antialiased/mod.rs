@@ -8,8 +8,8 @@
 //! share(-s) = 1 - share(s)
 //! ```
 //! which is the convolution of a half-plane with a square pixel. A strip's coverage is the difference of two of those, a
-//! few operations without branches that SIMD does for eight pixels at once. Near the ends the area is summed over the
-//! edges of the piece, exactly for any polygon.
+//! few operations without branches that SIMD does for eight pixels at once. Near the ends, and all along short lines, the area
+//! is summed over the edges of the piece, exactly for any polygon.
 //!
 //! At a joint the two segments are cut along its bisector on the inner side and at a right angle on the outer one; what
 //! is missing is a piece of its own, the [join](crate::stroke::Join). Pieces do not overlap, and rows are summed up before they are handed to
@@ -22,15 +22,19 @@
 //! Exact but for rounding: no pixel is off by more than 2e-6 (f32), for coordinates up to 2^20. Where a path runs over
 //! itself, or turns within less than a width, coverages are added up and end at 1, as if the parts lay beside each
 //! other. Round joins and caps are polygons within 0.02 pixels of the arc. Dashes are drawn too. Working memory is one
-//! row of the path's bounding box within the window.
+//! row of the path's bounding box within the window; a line needs none. Of a picture beyond the cache, lines one by one
+//! wait for memory; [`draw_lines`] goes through it in bands.
 //!
 //! Coverage is a share of light: mix in linear light, as [`Blend`](crate::target::Blend) does for
 //! [`Rgb`](crate::Rgb).
 
 mod exact;
+mod many;
 mod piece;
 mod quad;
 mod strip;
+
+pub use self::many::{Line, draw_lines};
 
 use self::piece::{Piece, SHORT, extent};
 use self::quad::Quad;

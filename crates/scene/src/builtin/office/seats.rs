@@ -27,8 +27,8 @@ fn sofa(b: &mut SceneBuilder, m: &Palette) {
     );
     b.rounded(
         m.sofa,
-        Vec3::new(-half + 0.16, 0.13, -0.92),
-        Vec3::new(half - 0.16, 0.80, -0.74),
+        Vec3::new(-half + 0.155, 0.14, -0.92),
+        Vec3::new(half - 0.155, 0.80, -0.74),
         0.06,
         2,
     );
