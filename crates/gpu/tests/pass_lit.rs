@@ -325,7 +325,7 @@ fn drawn_in(
     encoder.copy_texture_to_buffer(texture.as_image_copy(), to, size);
     context.queue.submit([encoder.finish()]);
     buffer.map_async(wgpu::MapMode::Read, .., |mapped| {
-        mapped.expect("it can be read")
+        mapped.expect("it can be read");
     });
     context.wait().expect("the device works");
     let view = buffer.get_mapped_range(..).expect("it is mapped");

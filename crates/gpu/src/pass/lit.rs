@@ -36,6 +36,8 @@ pub(crate) struct Variant {
     pub(crate) relief: u8,
     /// Whether EWA is read from afar.
     pub(crate) ewa: bool,
+    /// Whether the sampler's own filter is anisotropic.
+    pub(crate) anisotropic: bool,
     /// `MAGNIFY_*`.
     pub(crate) magnify: u8,
 }
@@ -47,6 +49,7 @@ impl Variant {
             ("SLOTS", self.slots.into()),
             ("RELIEF", self.relief.into()),
             ("EWA", f64::from(u8::from(self.ewa))),
+            ("ANISOTROPIC", f64::from(u8::from(self.anisotropic))),
             ("MAGNIFY", self.magnify.into()),
         ];
         let has = |name: &str| shader.source.contains(&format!("override {name}:"));

@@ -71,6 +71,7 @@ impl TextureFiltering {
             slots: (0..6).map(|slot| present[slot] << slot).sum(),
             relief: small(relief),
             ewa: self.minify == Minify::Ewa,
+            anisotropic: self.minify == Minify::Anisotropic,
             magnify: small(magnify),
         }
     }
