@@ -4,7 +4,7 @@ use crate::desk::Desk;
 use crate::draw::Stage;
 use crate::panels::{self, HemicubeTexture, obey_keys};
 use crate::prefs::Prefs;
-use crate::session::Settings;
+use crate::session::{Phase, Settings};
 use crate::theme;
 use egui_wgpu::RenderState;
 use std::sync::Arc;
@@ -46,8 +46,8 @@ pub struct Viewer {
     pub desk: Desk,
     stage: Option<Stage>,
     hemicube: HemicubeTexture,
-    /// Whether the last frame asked for this one.
-    asked: bool,
+    /// Whether the last frame was to be followed by this one at once.
+    is_followed: bool,
     /// When it closes by itself.
     ends: Option<Instant>,
     picture_size: [u32; 2],
@@ -88,7 +88,7 @@ impl Viewer {
             desk,
             stage,
             hemicube: HemicubeTexture::default(),
-            asked: false,
+            is_followed: false,
             ends: options.measure.map(|time| Instant::now() + time),
             picture_size: [1, 1],
         }
@@ -105,7 +105,7 @@ impl Viewer {
 
     /// Shows everything, and does what keys and pointer ask.
     pub fn frame(&mut self, ui: &mut egui::Ui) {
-        self.desk.frames.tick(self.asked);
+        self.desk.frames.tick(self.is_followed);
         self.desk.refresh();
         let motion = obey_keys(ui.ctx(), &mut self.desk);
         let seconds = ui.input(|input| input.stable_dt);
@@ -119,10 +119,11 @@ impl Viewer {
         if let Some(rest) = self.desk.note_eye() {
             ui.ctx().request_repaint_after(rest);
         }
-        self.asked = moves || self.ends.is_some();
-        if self.asked {
+        let is_solving = self.desk.status.phase == Phase::Solving;
+        if moves || self.ends.is_some() {
             ui.ctx().request_repaint();
         }
+        self.is_followed = moves || self.ends.is_some() || is_solving;
     }
 
     fn picture(&mut self, ui: &mut egui::Ui) {

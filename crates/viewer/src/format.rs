@@ -9,7 +9,7 @@ pub fn number(x: f64) -> String {
     if magnitude == 0.0 {
         return String::from("0");
     }
-    if magnitude < 1e-4 || magnitude >= 1e7 {
+    if !(1e-4..1e7).contains(&magnitude) {
         return format!("{x:.2e}");
     }
     let digits = magnitude.log10().floor();

@@ -197,6 +197,50 @@ fn another_way_goes_on_from_the_light_that_there_is() {
 }
 
 #[test]
+fn a_gpu_goes_on_where_the_cpu_was() {
+    let adapters = hemicube_gpu::adapters();
+    if adapters.iter().all(|adapter| adapter.usable.is_err()) {
+        assert!(std::env::var_os("CI").is_none(), "CI has an adapter");
+        println!("skipped: no adapter on this machine");
+        return;
+    }
+    let session = opened(draft(), "cornell");
+    let shot = wait(&session, "some of it is shot", |snapshot, _| {
+        snapshot.lanes[0].progress.unshot < 0.5
+    });
+    session.send(Command::Configure(draft().with_factors(FactorsBy::Gpu)));
+    let on_gpu = wait(&session, "the GPU finishes", |snapshot, status| {
+        snapshot.lanes[0].shooter.is_none() && status.phase == Phase::Finished
+    });
+    let steps = |snapshot: &Snapshot| snapshot.lanes[0].progress.iteration;
+    assert!(steps(&on_gpu) > steps(&shot), "it goes on, not anew");
+    let lamp = material(on_gpu.mesh(), "light");
+    let emission = on_gpu.mesh().scene().materials[lamp].emission * 0.5;
+    session.send(Command::Edit(
+        MaterialEdit::new(lamp).with_emission(emission),
+    ));
+    let dimmed = wait(
+        &session,
+        "an edit is shot there, too",
+        |snapshot, status| {
+            snapshot.mesh().scene().materials[lamp].emission == emission
+                && status.phase == Phase::Finished
+                && snapshot.lanes[0].is_finished
+        },
+    );
+    let total = |snapshot: &Snapshot| -> f32 {
+        let solution = &snapshot.lanes[0].solution;
+        let elements = 0..solution.mesh().elements().len();
+        elements
+            .map(|e| solution.element_irradiance(e).luminance())
+            .sum()
+    };
+    let ratio = total(&dimmed) / total(&on_gpu);
+    assert!((ratio - 0.5).abs() < 0.01, "half of the light: {ratio}");
+    assert_eq!(session.status().note, None, "nothing fell back to the CPU");
+}
+
+#[test]
 fn four_variants_take_the_same_steps() {
     let session = opened(draft().with_side_by_side(true), "cornell");
     let snapshot = wait(&session, "they run", |snapshot, _| {

@@ -79,6 +79,8 @@ pub struct Desk {
     pub edited: BTreeMap<String, EditedMaterial>,
     /// Whether the hemicube of the patch that shoots is shown.
     pub shows_hemicube: bool,
+    /// Whether its section is to be unfolded in the next frame.
+    pub unfolds_hemicube: bool,
     /// Whether the hemicube shows light instead of one colour for each patch.
     pub hemicube_lit: bool,
     /// Whether help is shown.
@@ -169,6 +171,7 @@ impl Desk {
             film: None,
             edited: BTreeMap::new(),
             shows_hemicube: false,
+            unfolds_hemicube: false,
             hemicube_lit: false,
             shows_help: false,
             typed_path: String::new(),

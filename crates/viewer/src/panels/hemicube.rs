@@ -1,7 +1,7 @@
 //! The hemicube of the patch that shoots next: the five faces of its item buffer, unfolded.
 
 use crate::desk::Desk;
-use crate::panels::section;
+use crate::panels::section_to_unfold;
 use crate::session::HemicubePicture;
 use egui::{Color32, ColorImage, RichText, TextureHandle, TextureOptions, Ui, Vec2};
 use hemicube_radiosity::form_factor::hemicube::ItemBuffers;
@@ -17,7 +17,8 @@ pub struct HemicubeTexture {
 }
 
 pub fn show(ui: &mut Ui, desk: &mut Desk, texture: &mut HemicubeTexture) {
-    section(ui, "Hemicube", false, |ui| {
+    let unfolds = core::mem::take(&mut desk.unfolds_hemicube);
+    section_to_unfold(ui, "Hemicube", false, unfolds, |ui| {
         ui.checkbox(&mut desk.shows_hemicube, "Of the patch that shoots next");
         if !desk.shows_hemicube {
             return;

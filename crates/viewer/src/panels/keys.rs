@@ -101,6 +101,7 @@ fn obey(ctx: &Context, desk: &mut Desk, key: Key) {
         Key::H => {
             flip(&mut desk.shows_hemicube);
             desk.prefs.left_open |= desk.shows_hemicube;
+            desk.unfolds_hemicube = desk.shows_hemicube;
         }
         Key::F => show(&mut display.quantity, Quantity::Illuminance),
         Key::X => show(&mut display.quantity, Quantity::Wireframe),

@@ -65,9 +65,21 @@ pub fn over(ui: &mut Ui, desk: &mut Desk) {
 
 /// A part of a side panel that can be folded away.
 fn section<R>(ui: &mut Ui, title: &str, is_open: bool, contents: impl FnOnce(&mut Ui) -> R) {
+    section_to_unfold(ui, title, is_open, false, contents);
+}
+
+/// The same; it is unfolded now if that is asked for.
+fn section_to_unfold<R>(
+    ui: &mut Ui,
+    title: &str,
+    is_open: bool,
+    unfolds: bool,
+    contents: impl FnOnce(&mut Ui) -> R,
+) {
     ui.add_space(4.0);
     egui::CollapsingHeader::new(RichText::new(title).strong())
         .default_open(is_open)
+        .open(unfolds.then_some(true))
         .show(ui, |ui| {
             ui.add_space(2.0);
             contents(ui)

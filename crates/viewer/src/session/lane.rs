@@ -61,7 +61,7 @@ pub(super) struct Tools<'a> {
 
 impl<'a> Lane<'a> {
     /// Goes on from where the state is.
-    pub fn new(state: LaneState, tools: &Tools<'a>) -> Result<Self, (RadiosityError, LaneState)> {
+    pub fn new(state: LaneState, tools: &Tools<'a>) -> Result<Self, Box<(RadiosityError, LaneState)>> {
         let LaneState {
             kind,
             mut solution,
@@ -78,7 +78,7 @@ impl<'a> Lane<'a> {
                     history,
                     seconds,
                 };
-                return Err((error, state));
+                return Err(Box::new((error, state)));
             }
         };
         Ok(Self {

@@ -232,7 +232,8 @@ impl Worker {
             let state = states.remove(0);
             match Lane::new(state, &tools) {
                 Ok(lane) => lanes.push(lane),
-                Err((error, state)) => {
+                Err(failed) => {
+                    let (error, state) = *failed;
                     job.lanes = lanes.into_iter().map(Lane::into_state).collect();
                     job.lanes.push(state);
                     job.lanes.extend(states);

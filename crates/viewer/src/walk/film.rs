@@ -277,7 +277,7 @@ mod tests {
     }
 
     fn pixels(path: &Path) -> Vec<Vec<u8>> {
-        let file = std::io::BufReader::new(File::open(path).expect("it is there"));
+        let file = io::BufReader::new(File::open(path).expect("it is there"));
         let mut reader = png::Decoder::new(file)
             .read_info()
             .expect("it is a PNG file");
