@@ -41,7 +41,7 @@ enum Kind {
 }
 
 /// Finds parts of faces.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Locator {
     cuts: Vec<Cut>,
     kinds: Vec<Kind>,

@@ -144,10 +144,11 @@ fn hall(b: &mut SceneBuilder, m: &Palette) {
     );
     b.node("cladding");
     // Corrugated sheets above the plinth.
-    let waves = |length: f32| 2 * (length / 0.9).round() as usize + 1;
-    let dent = |i: usize| if i % 2 == 0 { 0.0 } else { 0.12 };
+    // Edges of the waves along the long and the short walls.
+    let waves = [2 * 67 + 1, 2 * 27 + 1];
+    let dent = |i: usize| if i.is_multiple_of(2) { 0.0 } else { 0.12 };
     let eaves = roof_at(0.0);
-    let n = waves(HALL.x);
+    let n = waves[0];
     let x = move |i: usize| HALL.x * i as f32 / (n - 1) as f32;
     b.sheet(m.cladding, 2, n, |row, i| {
         Vec3::new(x(i), if row == 0 { low } else { eaves }, -dent(i))
@@ -159,7 +160,7 @@ fn hall(b: &mut SceneBuilder, m: &Palette) {
             HALL.z + dent(i),
         )
     });
-    let n = waves(HALL.z);
+    let n = waves[1];
     let z = move |i: usize| HALL.z * i as f32 / (n - 1) as f32;
     b.sheet(m.cladding, 2, n, |row, i| {
         let z = z(n - 1 - i);
@@ -931,8 +932,7 @@ fn pipes(b: &mut SceneBuilder, m: &Palette) {
         }
         path.push(Vec3::new(drop, 0.0, z));
         b.tube(material, &path, radius, 16);
-        let flanges = (drop / 3.0) as usize;
-        for k in 1..flanges {
+        for k in (1..20).take_while(|&k| 3.0 * (k + 1) as f32 <= drop) {
             let across = Quat::from_rotation_z(-FRAC_PI_2);
             let place = Vec3::new(3.0 * k as f32 + 0.17 * i as f32, y, z);
             b.part(Affine3A::from_rotation_translation(across, place), |b| {

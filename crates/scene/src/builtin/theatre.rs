@@ -886,6 +886,6 @@ fn lathe_at(
     segments: usize,
 ) {
     b.part(Affine3A::from_translation(place), |b| {
-        b.lathe(material, profile, segments)
+        b.lathe(material, profile, segments);
     });
 }
