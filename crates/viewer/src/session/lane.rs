@@ -61,7 +61,10 @@ pub(super) struct Tools<'a> {
 
 impl<'a> Lane<'a> {
     /// Goes on from where the state is.
-    pub fn new(state: LaneState, tools: &Tools<'a>) -> Result<Self, Box<(RadiosityError, LaneState)>> {
+    pub fn new(
+        state: LaneState,
+        tools: &Tools<'a>,
+    ) -> Result<Self, Box<(RadiosityError, LaneState)>> {
         let LaneState {
             kind,
             mut solution,
