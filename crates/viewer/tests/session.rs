@@ -204,39 +204,26 @@ fn a_gpu_goes_on_where_the_cpu_was() {
         println!("skipped: no adapter on this machine");
         return;
     }
-    let session = opened(draft(), "cornell");
-    let shot = wait(&session, "some of it is shot", |snapshot, _| {
-        snapshot.lanes[0].progress.unshot < 0.5
-    });
-    session.send(Command::Configure(draft().with_factors(FactorsBy::Gpu)));
+    // In software a hemicube takes long, so a rough light is enough.
+    let rough = draft().with_tolerance(0.4);
+    let session = opened(rough.with_tolerance(0.6), "cornell");
+    let shot = finished(&session);
+    session.send(Command::Configure(rough.with_factors(FactorsBy::Gpu)));
     let on_gpu = wait(&session, "the GPU finishes", |snapshot, status| {
         snapshot.lanes[0].shooter.is_none() && status.phase == Phase::Finished
     });
     let steps = |snapshot: &Snapshot| snapshot.lanes[0].progress.iteration;
     assert!(steps(&on_gpu) > steps(&shot), "it goes on, not anew");
-    let lamp = material(on_gpu.mesh(), "light");
-    let emission = on_gpu.mesh().scene().materials[lamp].emission * 0.5;
-    session.send(Command::Edit(
-        MaterialEdit::new(lamp).with_emission(emission),
-    ));
-    let dimmed = wait(
-        &session,
-        "an edit is shot there, too",
-        |snapshot, status| {
-            snapshot.mesh().scene().materials[lamp].emission == emission
-                && status.phase == Phase::Finished
-                && snapshot.lanes[0].is_finished
-        },
+    assert!(
+        on_gpu.lanes[0].progress.unshot <= 0.4,
+        "until little is left"
     );
-    let total = |snapshot: &Snapshot| -> f32 {
-        let solution = &snapshot.lanes[0].solution;
-        let elements = 0..solution.mesh().elements().len();
-        elements
-            .map(|e| solution.element_irradiance(e).luminance())
-            .sum()
-    };
-    let ratio = total(&dimmed) / total(&on_gpu);
-    assert!((ratio - 0.5).abs() < 0.01, "half of the light: {ratio}");
+    let solution = &on_gpu.lanes[0].solution;
+    for band in 0..3 {
+        let balance = solution.total_balance(band);
+        let error = balance.relative_error(solution.unshot_flux(band));
+        assert!(error < 1e-3, "light is kept on the way: {error}");
+    }
     assert_eq!(session.status().note, None, "nothing fell back to the CPU");
 }
 

@@ -1,4 +1,4 @@
-//! The window's parts. Each reads and writes the [`Desk`](crate::desk::Desk) and nothing else.
+//! The window's parts. Each reads and writes the [`Desk`] and nothing else.
 
 mod display;
 mod files;
