@@ -114,6 +114,7 @@ pub fn solver_label(kind: SolverKind) -> &'static str {
         SolverKind::AmbientShooting => "Sorted + ambient",
         SolverKind::Overshooting => "Overshooting",
         SolverKind::ConjugateGradient => "Conjugate gradients",
+        SolverKind::Stochastic => "By rays alone",
     }
 }
 

@@ -10,7 +10,7 @@ use hemicube_radiosity::solve::{
 };
 use hemicube_radiosity::stop::Stop;
 use hemicube_radiosity::{
-    Progress, RadiosityError, Shooting, Solution, SolveOptions, Solver, SolverKind, Way,
+    Progress, RadiosityError, Shooting, Solution, SolveOptions, Solver, SolverKind, Stochastic, Way,
 };
 use hemicube_raster::Rgb;
 use std::sync::Arc;
@@ -45,6 +45,7 @@ enum Work<'a> {
     Device(Box<dyn Solver + 'a>),
     Gathering(Box<Gathering>),
     Matrix(Box<Priced<'a>>),
+    Rays(Box<Stochastic>),
     /// It was told to stop before it could start.
     Waiting(Box<Solution>),
 }
@@ -100,6 +101,7 @@ impl<'a> Lane<'a> {
             solution: match self.work {
                 Work::Shooting(solver) => solver.into_solution(),
                 Work::Matrix(priced) => priced.solver.into_solution(),
+                Work::Rays(solver) => solver.into_solution(),
                 Work::Device(mut solver) => {
                     solver.settle();
                     solver.solution().clone()
@@ -124,6 +126,7 @@ impl<'a> Lane<'a> {
             Work::Shooting(solver) => drop(solver.step()),
             Work::Device(solver) => drop(solver.step()),
             Work::Gathering(gathering) => gathering.step(),
+            Work::Rays(solver) => drop(solver.step()),
             Work::Matrix(priced) => priced.step(),
             Work::Waiting(_) => {}
         }
@@ -137,10 +140,12 @@ impl<'a> Lane<'a> {
             Work::Device(solver) => solver.progress(),
             Work::Gathering(gathering) => gathering.progress(),
             Work::Matrix(priced) => priced.solver.progress(),
+            Work::Rays(solver) => solver.progress(),
             Work::Waiting(solution) => Progress {
                 iteration: solution.provenance.steps,
                 unshot: 1.0,
                 residual: 1.0,
+                noise: None,
             },
         }
     }
@@ -148,11 +153,14 @@ impl<'a> Lane<'a> {
     /// Whether further steps would change nothing that is seen.
     pub fn is_finished(&self) -> bool {
         let progress = self.progress();
+        if let Work::Rays(solver) = &self.work {
+            return solver.is_finished(self.tolerance);
+        }
         let is_exhausted = match &self.work {
             Work::Shooting(solver) => solver.is_exhausted(),
             Work::Device(solver) => solver.is_exhausted(),
             Work::Matrix(priced) => priced.solver.is_exhausted(),
-            Work::Gathering(_) | Work::Waiting(_) => false,
+            Work::Gathering(_) | Work::Waiting(_) | Work::Rays(_) => false,
         };
         progress.unshot <= self.tolerance || progress.residual <= 0.0 || is_exhausted
     }
@@ -162,7 +170,7 @@ impl<'a> Lane<'a> {
         match &self.work {
             Work::Shooting(solver) => Some(solver.next_patch()),
             Work::Gathering(gathering) => Some(gathering.next()),
-            Work::Device(_) | Work::Matrix(_) | Work::Waiting(_) => None,
+            Work::Device(_) | Work::Matrix(_) | Work::Rays(_) | Work::Waiting(_) => None,
         }
     }
 
@@ -176,6 +184,7 @@ impl<'a> Lane<'a> {
             }
             Work::Gathering(gathering) => gathering.run.shown().clone(),
             Work::Matrix(priced) => priced.shown(),
+            Work::Rays(solver) => solver.solution().clone(),
             Work::Waiting(solution) => (**solution).clone(),
         }
     }
@@ -219,6 +228,13 @@ fn start<'a>(
         Way::OnMatrix(MatrixSolverKind::Gathering) => Ok(Work::Gathering(Box::new(
             Gathering::new(tools.factors, solution),
         ))),
+        Way::Stochastic => {
+            let kept = solution.clone();
+            match Stochastic::new(solution, tools.options.stochastic_options()) {
+                Ok(solver) => Ok(Work::Rays(Box::new(solver))),
+                Err(error) => Err((error, Box::new(kept))),
+            }
+        }
         Way::OnMatrix(kind) => {
             let options = MatrixOptions {
                 memory_limit: tools.options.memory_limit,
@@ -305,6 +321,7 @@ impl Gathering {
             iteration: self.run.shown().provenance.steps,
             unshot: self.change,
             residual: self.change,
+            noise: None,
         }
     }
 }
