@@ -243,12 +243,12 @@ fn lines_drawn_at_once_are_those_drawn_one_by_one() {
             .wrapping_add(1_442_695_040_888_963_407);
         low + (high - low) * (seed >> 11) as f64 / (1_u64 << 53) as f64
     };
-    let mut lines: Vec<Line<[f32; 3]>> = (0_u16..300)
+    let mut lines: Vec<Line<[f32; 3]>> = (0..300_u16)
         .map(|i| Line {
             from: DVec2::new(random(-50.0, 1550.0), random(-20.0, 110.0)),
             to: DVec2::new(random(-50.0, 1550.0), random(-20.0, 110.0)),
             width: random(0.2, 5.0),
-            pixel: [i, i * 7 % 300, 300].map(|x| f32::from(x) / 300.0),
+            pixel: [f32::from(i) / 300.0, 0.5, 1.0],
         })
         .collect();
     for (from, to, width) in [
