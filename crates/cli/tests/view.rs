@@ -128,11 +128,7 @@ mod with_windows {
         let document = Document::new(
             String::from("office"),
             Settings::default().with_solver(SolverKind::Shooting),
-            Display {
-                auto_exposure: false,
-                stops: -9.0,
-                ..Display::default()
-            },
+            Display::default().with_stops(-9.0),
             Eye::of_camera(&scene.cameras[0], 2.0),
             Way::default(),
             Mixer::default(),

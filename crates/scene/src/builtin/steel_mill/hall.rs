@@ -221,8 +221,8 @@ pub(super) fn frames(b: &mut SceneBuilder, m: &Palette) {
             bar(
                 b,
                 m.rust,
-                Vec3::new(to, 3.2, z),
-                Vec3::new(from, RAIL - 1.2, z),
+                Vec3::new(to, 3.2, z + 0.12),
+                Vec3::new(from, RAIL - 1.2, z + 0.12),
                 0.1,
             );
         }
@@ -237,8 +237,18 @@ pub(super) fn truss(b: &mut SceneBuilder, m: &Palette, x: f32) {
     let top = |i: usize| Vec3::new(x, roof_at(z(i)) - 0.4, z(i));
     let bottom = |i: usize| Vec3::new(x, low, z(i));
     beam(b, m.steel, bottom(0), bottom(panels), 0.24, 0.2);
-    beam(b, m.steel, top(0), top(panels / 2), 0.24, 0.2);
-    beam(b, m.steel, top(panels / 2), top(panels), 0.24, 0.2);
+    // The upper chords end a little before the columns and before each other.
+    for end in [0, panels] {
+        let (eaves, ridge) = (top(end), top(panels / 2));
+        beam(
+            b,
+            m.steel,
+            eaves.lerp(ridge, 0.03),
+            eaves.lerp(ridge, 0.99),
+            0.24,
+            0.2,
+        );
+    }
     for i in 1..panels {
         bar(b, m.steel, bottom(i), top(i), 0.1);
         let (from, to) = if i <= panels / 2 {

@@ -89,7 +89,8 @@ pub(super) fn sconce(b: &mut SceneBuilder, m: &Palette, place: Vec3, side: f32) 
     );
     for dz in [-0.16, 0.16] {
         let end = place + out * 0.18 + Vec3::new(0.0, 0.08, dz);
-        b.tube(m.gold, &[place + out * 0.18, end], 0.014, 6);
+        let start = place + out * 0.18 + Vec3::new(0.0, 0.01, 0.125 * dz);
+        b.tube(m.gold, &[start, end], 0.014, 6);
         b.sphere(m.globe, end + Vec3::Y * 0.11, 0.09, 10);
     }
 }

@@ -99,15 +99,6 @@ pub(super) fn stage(b: &mut SceneBuilder, m: &Palette) {
         b.quad(
             m.footlight,
             [
-                low + Vec3::new(0.22, 0.02, -0.001),
-                low + Vec3::new(0.02, 0.02, -0.001),
-                low + Vec3::new(0.02, 0.12, -0.001),
-                low + Vec3::new(0.22, 0.12, -0.001),
-            ],
-        );
-        b.quad(
-            m.frame,
-            [
                 low + Vec3::new(0.24, 0.0, 0.0),
                 low,
                 low + Vec3::new(0.0, 0.14, 0.0),
