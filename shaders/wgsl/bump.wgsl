@@ -7,7 +7,7 @@ fn bumped_radiance(surface: Surface, in: Fragment, material: Material, footprint
 }
 
 @fragment
-fn opaque(in: Fragment) -> @location(0) vec4<f32> {
+fn masked(in: Fragment) -> @location(0) vec4<f32> {
     let footprint = footprint_of(in);
     let material = materials[in.material];
     let surface = surface_at(material, in, texels_at(material, footprint));

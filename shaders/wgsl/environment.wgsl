@@ -116,7 +116,7 @@ fn mirroring(in: Fragment, is_hole: ptr<function, bool>) -> Mirroring {
 }
 
 @fragment
-fn opaque(in: Fragment) -> @location(0) vec4<f32> {
+fn masked(in: Fragment) -> @location(0) vec4<f32> {
     var is_hole: bool;
     let result = mirroring(in, &is_hole);
     if is_hole {

@@ -1,8 +1,16 @@
 // Lit surfaces without textures: `L = emission + reflectance × H / π`, with irradiance between vertices (Gouraud 1971) or
 // that of the element. Interpolation is perspective-correct.
 
+// Of what hides, and of what lets light through, where it is added.
 @fragment
-fn opaque(in: Fragment) -> @location(0) vec4<f32> {
+fn own(in: Fragment) -> @location(0) vec4<f32> {
+    let surface = surface_at(materials[in.material], in, NO_TEXELS);
+    return exposed(own_radiance(surface, in));
+}
+
+// Of what has holes. Stages that may discard look at depth late, so only masks have this one.
+@fragment
+fn masked(in: Fragment) -> @location(0) vec4<f32> {
     let surface = surface_at(materials[in.material], in, NO_TEXELS);
     if surface.is_hole {
         discard;
@@ -10,14 +18,7 @@ fn opaque(in: Fragment) -> @location(0) vec4<f32> {
     return exposed(own_radiance(surface, in));
 }
 
-// Of what lets light through: its own radiance, which is added,
-@fragment
-fn own(in: Fragment) -> @location(0) vec4<f32> {
-    let surface = surface_at(materials[in.material], in, NO_TEXELS);
-    return exposed(own_radiance(surface, in));
-}
-
-// after what is behind it was multiplied by its transmittance.
+// What is behind is multiplied by this first.
 @fragment
 fn through(in: Fragment) -> @location(0) vec4<f32> {
     return vec4(surface_at(materials[in.material], in, NO_TEXELS).transmittance, 1.0);

@@ -3,6 +3,8 @@
 
 // Whether EWA is read from afar; else it is the sampler's filter.
 override EWA: bool = true;
+// Whether the sampler's own filter looks at both axes of a footprint.
+override ANISOTROPIC: bool = false;
 // MAGNIFY_*, what is read close up.
 override MAGNIFY: u32 = 0u;
 
@@ -227,24 +229,29 @@ fn elliptical(picture: texture_2d<f32>, uv: vec2<f32>, rules: Rules, axes: Axes)
     return mix(sharp, elliptical_in(picture, min(upper + 1, last), uv, rules, along, across), weight);
 }
 
-// A texture as a pixel sees it whose coordinates change by these to its neighbours.
+// A texture as a pixel sees it whose coordinates change by these to its neighbours. The sampler is asked once, at the end:
+// software adapters execute both sides of every branch.
 fn filtered(picture: texture_2d<f32>, how: sampler, slot: Slot, uv: vec2<f32>, ddx: vec2<f32>, ddy: vec2<f32>) -> vec4<f32> {
     let rules = rules_of(slot);
     let size = vec2<f32>(textureDimensions(picture, 0));
     let dx = ddx * size;
     let dy = ddy * size;
-    // What cannot be counted with reads the coarsest level.
-    if !(dot(dx, dx) + dot(dy, dy) < LARGEST_SQUARE) {
-        return textureSampleLevel(picture, how, uv, f32(textureNumLevels(picture)));
-    }
     let axes = axes_of(dx, dy);
-    let is_close = dot(axes.along, axes.along) <= 1.0;
+    // What cannot be counted with reads the coarsest level.
+    let is_countable = dot(dx, dx) + dot(dy, dy) < LARGEST_SQUARE;
+    let square = select(LARGEST_SQUARE, dot(axes.along, axes.along), is_countable);
+    let is_close = square <= 1.0;
     let is_smooth = (slot.flags & SLOT_BLOCKS) == 0u;
     if MAGNIFY != MAGNIFY_SAMPLER && is_close && is_smooth {
         return bicubic(picture, uv, rules, MAGNIFY);
     }
-    if EWA && !is_close {
+    if EWA && !is_close && is_countable {
         return elliptical(picture, uv, rules, axes);
     }
-    return textureSampleGrad(picture, how, uv, axes.along / size, axes.across / size);
+    if ANISOTROPIC {
+        let along = select(vec2(1e6, 0.0), axes.along, is_countable);
+        let across = select(vec2(0.0, 1e6), axes.across, is_countable);
+        return textureSampleGrad(picture, how, uv, along / size, across / size);
+    }
+    return textureSampleLevel(picture, how, uv, 0.5 * log2(max(square, 1e-30)));
 }

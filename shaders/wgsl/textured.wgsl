@@ -11,17 +11,17 @@ fn own_radiance(surface: Surface, in: Fragment) -> vec3<f32> {
 }
 
 @fragment
-fn opaque(in: Fragment) -> @location(0) vec4<f32> {
+fn own(in: Fragment) -> @location(0) vec4<f32> {
+    return exposed(own_radiance(textured_surface(in), in));
+}
+
+@fragment
+fn masked(in: Fragment) -> @location(0) vec4<f32> {
     let surface = textured_surface(in);
     if surface.is_hole {
         discard;
     }
     return exposed(own_radiance(surface, in));
-}
-
-@fragment
-fn own(in: Fragment) -> @location(0) vec4<f32> {
-    return exposed(own_radiance(textured_surface(in), in));
 }
 
 @fragment

@@ -160,7 +160,7 @@ fn unit_squares_have_their_known_factors() {
             assert_eq!(row.receivers, [1], "only the other square receives");
             let error = f64::from(row.fractions[0]) - exact;
             let bound = match kind {
-                // One shot of 256 rays times what the strategy adds: five standard deviations.
+                // Two standard deviations of 256 random rays; theirs are spread more evenly.
                 FormFactorKind::RayCast if name == "gpu-raycast" => 0.05,
                 // A ten-thousandth is for closing the row.
                 FormFactorKind::RayCast | FormFactorKind::Nusselt => 2.5e-5,

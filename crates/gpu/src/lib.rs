@@ -3,9 +3,36 @@
 //! [`Context`] is a device without a window, [`adapters`] lists what this machine has. [`GpuHemicube`] is the twin of
 //! [`Hemicube`](hemicube_radiosity::form_factor::hemicube::Hemicube): the same hemicubes, drawn and summed on the device.
 //!
+//! [`GpuRayCast`] casts rays in compute shaders, [`GpuShooting`] keeps all of the light on the device while it shoots, and
+//! [`Gpu`] is all of that as the backend of any solver.
+//!
+//! [`pass`] draws pictures of solutions: lit surfaces with textures, bumps, mirrors, antialiasing and tones, from light that
+//! may stay on the device.
+//!
+//! # Memory and limits
+//! A million elements take about 230 MiB; [`hemicube_shaders::memory`] computes it, `hemicube info` prints it. No binding may
+//! be larger than the adapter says. At 128 MiB, the least that WebGPU promises:
+//!
+//! | what | bytes | largest |
+//! |---|---|---|
+//! | receivers; what shooting knows of elements | 32 an element | 4,194,304 elements |
+//! | corners; vertices in a hemicube's frame | 16 | 8,388,608 elements, vertices |
+//! | lists of what faces show | 20 an element | 6,710,886 elements |
+//! | sums | 4 an element, 12 with panes | 33 million, 11 million elements |
+//! | light | 24 an element and group of luminaires | 5,592,405 elements; 1,118,481 in five groups |
+//! | where hemicubes stand | 32 a hemicube | 4,194,304 hemicubes, 16 on each of 262,144 patches |
+//! | rays: triangles | 96 a quad | 1,398,101 quads |
+//! | cells behind panes | 48 resolution² | resolution 1672 |
+//!
+//! A mesh has 4,000,000 elements at most. Pictures are two resolutions wide, so a resolution of 4096 asks for 8192 pixels a
+//! side. A submission holds as many hemicubes as fit, up to 16 (shooting: one after the other, 32 in a submission);
+//! what does not fit one by one is refused with both numbers, and the CPU takes it.
+//!
 //! # Current state
-//! Nothing here panics because of a device: what it cannot do is a [`GpuError`], and form
-//! factors go on with the CPU when it is lost.
+//! Nothing here panics because of a device: what it cannot do is a [`GpuError`], and the CPU goes on when it is lost. What
+//! a solver that keeps its light on the device had not yet brought to the CPU is then lost, too. Where panes let light
+//! through, the CPU casts the rays. Ray queries of the hardware are not used: wgpu calls them an
+//! experiment that has to be asked for in unsafe code.
 #![forbid(unsafe_code)]
 
 mod backend;

@@ -4,8 +4,9 @@ mod common;
 
 use common::{context, difference, lit, show};
 use glam::{Vec2, Vec3};
-use hemicube_gpu::pass::{DrawOptions, Interpolation, Smoothing, Walkthrough};
+use hemicube_gpu::pass::{DrawOptions, Interpolation, Smoothing, TextureFiltering, Walkthrough};
 use hemicube_radiosity::Solution;
+use hemicube_raster::texture::Minify;
 use hemicube_raster::{Image, Rgb};
 use hemicube_render::{RenderOptions, Shading, render};
 use hemicube_scene::builtin::SceneBuilder;
@@ -108,6 +109,7 @@ fn bumps_are_those_of_the_cpu() {
             let cpu = render(&solution, &camera(), &options).expect("CPU");
             let drawn = DrawOptions::default()
                 .with_smoothing(Smoothing::None)
+                .with_filtering(TextureFiltering::default().with_minify(Minify::Ewa))
                 .with_interpolation(interpolation);
             let found = gpu.linear(&camera(), SIZE, &drawn).expect("GPU");
             let flat = gpu.linear(&camera(), SIZE, &drawn.clone().with_bumps(false));

@@ -227,6 +227,19 @@ fn sizes_and_cameras_that_cannot_be_drawn_are_refused() {
         .expect_err("no direction");
 }
 
+#[test]
+fn a_lost_device_is_an_error() {
+    let Some(context) = context() else { return };
+    let solution = lit_builtin("cornell", 300);
+    let camera = camera(&solution);
+    let mut gpu = Walkthrough::new(context.clone(), &solution).expect("a scene");
+    context.device.destroy();
+    let options = DrawOptions::default();
+    let error = gpu.display(&camera, SIZE, &options).expect_err("no device");
+    assert!(error.to_string().contains("lost"), "{error}");
+    gpu.pick(&camera, SIZE, [3, 4]).expect_err("no device");
+}
+
 /// The same picture in targets of other formats: encoded here where the format does not do it, in the bytes' order.
 #[test]
 fn formats_show_the_same_colours() {
@@ -312,7 +325,7 @@ fn drawn_in(
     encoder.copy_texture_to_buffer(texture.as_image_copy(), to, size);
     context.queue.submit([encoder.finish()]);
     buffer.map_async(wgpu::MapMode::Read, .., |mapped| {
-        mapped.expect("it can be read")
+        mapped.expect("it can be read");
     });
     context.wait().expect("the device works");
     let view = buffer.get_mapped_range(..).expect("it is mapped");

@@ -28,7 +28,7 @@
 //! | [`scene`] | glTF, OBJ, STL and View3D import, materials, lights, cameras, built-in scenes |
 //! | [`radiosity`] | patches, form factors, solvers, solutions, lit `.glb` files |
 //! | [`render`] | pictures of solutions |
-//! | `gpu` | hemicubes, rays and shooting on a GPU; only with the feature `gpu` |
+//! | `gpu` | hemicubes, rays, shooting and pictures on a GPU; only with the feature `gpu` |
 //! | [`shaders`] | their WGSL, and what a scene takes of a GPU's memory |
 //!
 //! # Current state

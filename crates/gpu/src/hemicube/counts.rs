@@ -110,8 +110,8 @@ pub(crate) struct Probe {
 
 /// Ticks of a submission: two for each of three stages.
 const TIMES: u32 = 6;
-/// Where statistics begin behind the times, in bytes.
-const STATISTICS: u64 = wgpu::QUERY_RESOLVE_BUFFER_ALIGNMENT;
+/// Where statistics begin behind the times, in bytes: a multiple of `wgpu::QUERY_RESOLVE_BUFFER_ALIGNMENT`.
+const STATISTICS: usize = 256;
 /// Numbers of each draw pass.
 const NUMBERS: usize = 4;
 
@@ -130,7 +130,7 @@ impl Probe {
         };
         let counted =
             PipelineStatisticsTypes::all() - PipelineStatisticsTypes::COMPUTE_SHADER_INVOCATIONS;
-        let bytes = STATISTICS + u64::from(draws) * 8 * NUMBERS as u64;
+        let bytes = STATISTICS as u64 + u64::from(draws) * 8 * NUMBERS as u64;
         Self {
             times: queries(Features::TIMESTAMP_QUERY, QueryType::Timestamp, TIMES),
             statistics: queries(
@@ -201,7 +201,7 @@ impl Probe {
             encoder.resolve_query_set(times, 0..TIMES, &self.resolved, 0);
         }
         if let Some(statistics) = &self.statistics {
-            encoder.resolve_query_set(statistics, 0..self.draws, &self.resolved, STATISTICS);
+            encoder.resolve_query_set(statistics, 0..self.draws, &self.resolved, STATISTICS as u64);
         }
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.read, 0, self.read.size());
     }
@@ -216,7 +216,7 @@ impl Probe {
             (numbers[2 * stage + 1] - numbers[2 * stage]) as f64 * self.period * 1e-9
         };
         let sum = |number: usize| {
-            let all = &numbers[STATISTICS as usize / 8..];
+            let all = &numbers[STATISTICS / 8..];
             all.chunks(NUMBERS).map(|draw| draw[number]).sum()
         };
         let drawing = self.statistics.as_ref().map(|_| DrawCounts {

@@ -27,7 +27,7 @@ impl Walkthrough {
     /// Draws a picture.
     ///
     /// # Errors
-    /// A camera that cannot see or bends lines, a size beyond the adapter's limits.
+    /// A camera that cannot see or bends lines, a size beyond the adapter's limits or its memory, a lost device.
     pub fn draw(
         &mut self,
         encoder: &mut CommandEncoder,
@@ -46,6 +46,7 @@ impl Walkthrough {
         options: &DrawOptions,
         tones: Tones,
     ) -> Result<(), GpuError> {
+        self.context.check()?;
         let samples = Samples::new(target.size, options.smoothing)?;
         let view = self.view(camera, target.size, &samples, options)?;
         let at = self.frame(samples.size(target.size), samples.pixels())?;
@@ -103,7 +104,9 @@ impl Walkthrough {
             let frame = self.frames.remove(at);
             self.frames.push(frame);
         } else {
-            self.frames.push(Frame::new(&self.context, size, pixels)?);
+            let context = &self.context;
+            let frame = context.guard(|| Frame::new(context, size, pixels))?;
+            self.frames.push(frame);
             if self.frames.len() > MOST_FRAMES {
                 self.frames.remove(0);
             }

@@ -23,18 +23,21 @@ use wgpu::{Buffer, BufferUsages, VertexAttribute, VertexBufferLayout, VertexForm
 /// How a triangle's material takes part in visibility.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Cover {
-    /// Hides what is behind, perhaps except in holes.
+    /// Hides what is behind.
     Solid,
+    /// The same, except in holes.
+    Masked,
     /// Lets light through.
     Transparent,
 }
 
 impl Cover {
     fn of(material: &Material) -> Self {
-        if material.transmission > 0.0 || material.alpha_mode == AlphaMode::Blend {
-            Self::Transparent
-        } else {
-            Self::Solid
+        match material.alpha_mode {
+            _ if material.transmission > 0.0 => Self::Transparent,
+            AlphaMode::Blend => Self::Transparent,
+            AlphaMode::Mask { .. } => Self::Masked,
+            AlphaMode::Opaque => Self::Solid,
         }
     }
 }

@@ -12,6 +12,8 @@ use wgpu::{BindGroupLayout, RenderPipeline, ShaderStages, TextureFormat};
 pub(crate) enum Stage {
     /// All of one that hides what is behind.
     Opaque,
+    /// The same, except in holes.
+    Masked,
     /// Of one that lets light through: its transmittance, by which what is behind is multiplied,
     Through,
     /// then its own radiance, which is added.
@@ -34,6 +36,8 @@ pub(crate) struct Variant {
     pub(crate) relief: u8,
     /// Whether EWA is read from afar.
     pub(crate) ewa: bool,
+    /// Whether the sampler's own filter is anisotropic.
+    pub(crate) anisotropic: bool,
     /// `MAGNIFY_*`.
     pub(crate) magnify: u8,
 }
@@ -45,6 +49,7 @@ impl Variant {
             ("SLOTS", self.slots.into()),
             ("RELIEF", self.relief.into()),
             ("EWA", f64::from(u8::from(self.ewa))),
+            ("ANISOTROPIC", f64::from(u8::from(self.anisotropic))),
             ("MAGNIFY", self.magnify.into()),
         ];
         let has = |name: &str| shader.source.contains(&format!("override {name}:"));
@@ -62,7 +67,7 @@ pub(crate) fn scene_layout(context: &Context) -> BindGroupLayout {
     )
 }
 
-/// Pipelines of one shader over surfaces, whose entry points are `opaque`, `through` and `own`.
+/// Pipelines of one shader over surfaces, whose entry points are `own`, `masked` and `through`.
 #[derive(Debug)]
 pub(crate) struct SurfacePass {
     label: &'static str,
@@ -99,7 +104,8 @@ impl SurfacePass {
         variant: Variant,
     ) -> RenderPipeline {
         let (fragment, depth, blend) = match stage {
-            Stage::Opaque => ("opaque", Depth::TestAndWrite, Blend::Replace),
+            Stage::Opaque => ("own", Depth::TestAndWrite, Blend::Replace),
+            Stage::Masked => ("masked", Depth::TestAndWrite, Blend::Replace),
             Stage::Through => ("through", Depth::Test, Blend::Multiply),
             Stage::Own => ("own", Depth::Test, Blend::Add),
         };

@@ -48,7 +48,7 @@ pub struct DrawOptions {
     pub style: Style,
     /// Light of elements or between vertices. Default value: Gouraud.
     pub interpolation: Interpolation,
-    /// How textures are read. Default value: EWA from afar, bilinear close up.
+    /// How textures are read. Default value: trilinear from afar, bilinear close up.
     pub filtering: TextureFiltering,
     /// Whether normal maps and heights turn normals. Default value: true.
     pub bumps: bool,

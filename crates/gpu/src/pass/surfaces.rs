@@ -166,10 +166,14 @@ impl Surfaces {
         let mut run = 0;
         while run < self.geometry.runs.len() {
             let of = self.geometry.runs[run].clone();
-            let is_drawn = of.cover == Cover::Solid && how.without != Some(of.instance);
+            let is_drawn = of.cover != Cover::Transparent && how.without != Some(of.instance);
             if is_drawn {
                 let last = self.last_alike(run, how);
-                self.set_run(context, passes, pass, (run, Stage::Opaque), how);
+                let stage = match of.cover {
+                    Cover::Masked => Stage::Masked,
+                    _ => Stage::Opaque,
+                };
+                self.set_run(context, passes, pass, (run, stage), how);
                 let end = self.geometry.runs[last].indices.end;
                 pass.draw_indexed(of.indices.start..end, 0, 0..1);
                 run = last;
@@ -185,7 +189,7 @@ impl Surfaces {
             .geometry
             .runs
             .iter()
-            .filter(|run| run.cover == Cover::Solid);
+            .filter(|run| run.cover != Cover::Transparent);
         let end = solid.map(|run| run.indices.end).max().unwrap_or(0);
         pass.draw_indexed(0..end, 0, 0..1);
     }
@@ -201,7 +205,7 @@ impl Surfaces {
         let drawn = self.drawn(first, how);
         let is_alike = |&next: &usize| {
             let of = &runs[next];
-            of.cover == Cover::Solid
+            of.cover == runs[first].cover
                 && how.without != Some(of.instance)
                 && self.drawn(next, how) == drawn
         };

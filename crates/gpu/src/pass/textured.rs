@@ -19,7 +19,7 @@ use wgpu::{
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TextureFiltering {
     /// What is read from afar: [`Minify::Ewa`] by the shader, everything else by the adapter's sampler, which has its own way
-    /// of [`Minify::Anisotropic`]. Default value: EWA.
+    /// of [`Minify::Anisotropic`]. Default value: trilinear.
     pub minify: Minify,
     /// What is read close up; textures that ask for single texels show those. Default value: bilinear.
     pub magnify: Magnify,
@@ -28,7 +28,7 @@ pub struct TextureFiltering {
 impl Default for TextureFiltering {
     fn default() -> Self {
         Self {
-            minify: Minify::Ewa,
+            minify: Minify::Trilinear,
             magnify: Magnify::Bilinear,
         }
     }
@@ -71,6 +71,7 @@ impl TextureFiltering {
             slots: (0..6).map(|slot| present[slot] << slot).sum(),
             relief: small(relief),
             ewa: self.minify == Minify::Ewa,
+            anisotropic: self.minify == Minify::Anisotropic,
             magnify: small(magnify),
         }
     }

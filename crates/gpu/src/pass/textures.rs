@@ -8,6 +8,7 @@ use hemicube_raster::texture as cpu;
 use hemicube_raster::texture::Minify;
 use hemicube_scene::{Magnify, Material, Scene, Texture, TextureSlot, TextureUse, Wrap};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use wgpu::{
     AddressMode, FilterMode, MipmapFilterMode, Sampler, TextureFormat, TextureUsages, TextureView,
     TextureViewDescriptor,
@@ -51,10 +52,10 @@ impl Textures {
         for (number, slot) in slots(material).into_iter().enumerate() {
             let Some(slot) = slot else { continue };
             let key = key(scene, material, number, slot);
-            if !self.pictures.contains_key(&key) {
+            if let Entry::Vacant(vacant) = self.pictures.entry(key) {
                 let texture = &scene.textures[slot.texture];
                 let chain = scene.images[texture.image].chain(texture.wrap, key.2);
-                self.pictures.insert(key, upload(context, chain, key.2)?);
+                vacant.insert(upload(context, chain, key.2)?);
             }
         }
         Ok(())
