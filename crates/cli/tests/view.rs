@@ -125,10 +125,12 @@ mod with_windows {
     /// A session that shoots in the order of the mesh and does not adapt the exposure.
     fn session(folder: &Path) -> PathBuf {
         let scene = hemicube::scene::builtin::scene("office").expect("it is built in");
+        let mut display = Display::default();
+        (display.auto_exposure, display.stops) = (false, -9.0);
         let document = Document::new(
             String::from("office"),
             Settings::default().with_solver(SolverKind::Shooting),
-            Display::default().with_stops(-9.0),
+            display,
             Eye::of_camera(&scene.cameras[0], 2.0),
             Way::default(),
             Mixer::default(),

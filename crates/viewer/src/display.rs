@@ -98,15 +98,6 @@ impl Display {
         ToneMap::ALL.get(self.tone_map).copied().unwrap_or_default()
     }
 
-    /// With an exposure that does not adapt: so many stops beyond the default.
-    pub fn with_stops(self, stops: f32) -> Self {
-        Self {
-            auto_exposure: false,
-            stops,
-            ..self
-        }
-    }
-
     /// Another tone curve.
     pub fn set_tone_map(&mut self, tone_map: ToneMap) {
         let place = ToneMap::ALL.iter().position(|&other| other == tone_map);

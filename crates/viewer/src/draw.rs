@@ -11,12 +11,14 @@ use crate::walk::Eye;
 use core::f32::consts::PI;
 use egui_wgpu::{RenderState, Renderer};
 use hemicube_gpu::pass::{
-    DrawOptions, Interpolation, Lookup, MeshLines, Smoothing, Style, Target, Walkthrough,
+    DrawOptions, Interpolation, Lookup, MeshLines, Smoothing, Style, Target, TextureFiltering,
+    Walkthrough,
 };
 use hemicube_gpu::{Context, GpuError};
 use hemicube_radiosity::solution::BANDS;
 use hemicube_radiosity::{PatchMesh, Solution};
 use hemicube_raster::colormap::{Colormap, FieldPaint, Isolines};
+use hemicube_raster::texture::Minify;
 use hemicube_raster::{Image, Rgb};
 use hemicube_render::Reflections;
 use hemicube_scene::Scene;
@@ -68,7 +70,8 @@ struct Shown {
     display: Display,
     exposure: f32,
     selected: Option<usize>,
-    is_smooth: bool,
+    /// Whether it is drawn as well as can be: always, unless the processor draws and something moves.
+    is_fine: bool,
     /// Whether mirrors show light at rest.
     mirrors_rest: bool,
 }
@@ -228,10 +231,10 @@ impl Stage {
             selected: desk
                 .selected_patch()
                 .filter(|_| desk.prefs.display.quantity == Quantity::FormFactors),
-            is_smooth: desk.prefs.display.smooth_edges && (!self.is_software || desk.is_still()),
+            is_fine: !self.is_software || desk.is_still(),
             mirrors_rest: desk.prefs.display.reflections && desk.is_still(),
         };
-        let is_smooth = shown.is_smooth;
+        let is_fine = shown.is_fine;
         if self.pictures[i].shows.as_ref() == Some(&shown) {
             return Ok(());
         }
@@ -263,7 +266,7 @@ impl Stage {
         let camera = desk.eye.camera("view");
         scene
             .walkthrough
-            .draw(&mut encoder, target, &camera, &options(desk, is_smooth))?;
+            .draw(&mut encoder, target, &camera, &options(desk, is_fine))?;
         self.context.queue.submit([encoder.finish()]);
         self.pictures[i].shows = Some(shown);
         Ok(())
@@ -437,16 +440,21 @@ fn without_textures(mesh: &PatchMesh) -> Scene {
 }
 
 /// The device's options for what the window shows.
-fn options(desk: &Desk, is_smooth: bool) -> DrawOptions {
+fn options(desk: &Desk, is_fine: bool) -> DrawOptions {
     let display = &desk.prefs.display;
     let options = DrawOptions::default()
         .with_exposure(desk.exposure)
         .with_tone_map(display.tone_map())
         .with_background(Rgb::splat(0.02 / desk.exposure.max(1e-30)))
         .with_style(style(desk))
+        .with_filtering(TextureFiltering::default().with_minify(if is_fine {
+            Minify::Ewa
+        } else {
+            Minify::Trilinear
+        }))
         .with_bumps(display.bumps)
         .with_reflections(display.reflections)
-        .with_smoothing(if is_smooth {
+        .with_smoothing(if is_fine && display.smooth_edges {
             Smoothing::Multisample
         } else {
             Smoothing::None

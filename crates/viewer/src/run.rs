@@ -44,16 +44,22 @@ pub fn view(options: ViewOptions) -> Result<(), ViewError> {
     let creator: eframe::AppCreator<'_> =
         Box::new(move |creation| Ok(Box::new(Viewer::in_window(creation, &options))));
     eframe::run_native("hemicube", native, creator).map_err(|error| {
-        let why = error
-            .to_string()
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ");
+        let why = in_one_line(&error.to_string());
         match error {
             eframe::Error::Wgpu(_) => ViewError::NoAdapter(why),
             _ => ViewError::NoWindow(why),
         }
     })
+}
+
+/// Without line ends, and without the place in the source that some errors begin with.
+fn in_one_line(error: &str) -> String {
+    let line = error.split_whitespace().collect::<Vec<_>>().join(" ");
+    let place = line.split_once("os error at ");
+    match place.and_then(|(_, rest)| rest.split_once(": ")) {
+        Some((_, what)) => what.to_owned(),
+        None => line,
+    }
 }
 
 /// On systems where that can be told beforehand.
@@ -130,5 +136,22 @@ fn icon_pixel(x: f32, y: f32) -> [u8; 4] {
         (true, _) => [255, 214, 140, 255],
         (false, true) => [196, 92, 66, 255],
         (false, false) => [96, 140, 84, 255],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_short_and_say_nothing_of_sources() {
+        let winit = "winit EventLoopError: os error at /a/b/mod.rs:788: Failed to open connection to X server";
+        let what = "Failed to open connection to X server";
+        assert_eq!(in_one_line(winit), what, "what happened");
+        assert_eq!(
+            in_one_line("none:\n  not one"),
+            "none: not one",
+            "in one line"
+        );
     }
 }
