@@ -326,6 +326,8 @@ fn time_also_holds_before_the_first_step() {
             "office",
             "--elements",
             "400000",
+            "--solver",
+            "stochastic",
             "--time",
             "50ms",
             "-o",
