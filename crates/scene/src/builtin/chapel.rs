@@ -73,7 +73,7 @@ pub(super) fn scene() -> Scene {
     for (name, eye, target, fov) in [
         (
             "nave",
-            Vec3::new(2.4, 1.7, 9.6),
+            Vec3::new(3.3, 1.7, 10.3),
             Vec3::new(17.0, 2.6, 3.0),
             68.0_f32,
         ),

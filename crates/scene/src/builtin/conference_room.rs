@@ -74,8 +74,8 @@ pub(super) fn scene() -> Scene {
     for (name, eye, target, fov) in [
         (
             "entrance",
-            Vec3::new(10.3, 1.65, 6.2),
-            Vec3::new(3.6, 0.75, 2.4),
+            Vec3::new(10.5, 1.65, 4.6),
+            Vec3::new(3.4, 0.75, 3.3),
             60.0_f32,
         ),
         (

@@ -121,8 +121,8 @@ pub(super) fn scene() -> Scene {
     for (name, eye, target, fov) in [
         (
             "stalls",
-            Vec3::new(-4.2, 4.4, 24.5),
-            Vec3::new(1.5, 3.7, -2.0),
+            Vec3::new(-4.2, 3.4, 16.2),
+            Vec3::new(1.5, 4.4, -2.0),
             66.0_f32,
         ),
         (
