@@ -221,6 +221,7 @@ fn what_another_solver_left_is_spread() {
     let by_rays = SolveOptions {
         solver: SolverKind::Stochastic,
         rays: 2048,
+        tolerance: 1e-4,
         ..Quality::Draft.into()
     };
     let end = resume(half, &by_rays, |_, _| true).expect("it goes on");
