@@ -141,6 +141,14 @@ impl SceneBuilder {
         self.scene.cameras.push(camera);
     }
 
+    /// Adds views `(name, eye, what is in the middle of the picture, vertical angle in degrees)`, upright.
+    pub fn views(&mut self, views: &[(&str, Vec3, Vec3, f32)]) {
+        for &(name, eye, target, degrees) in views {
+            let angle = degrees.to_radians();
+            self.camera(Camera::looking_at(name, eye, target, Vec3::Y, angle));
+        }
+    }
+
     /// Opens a node at the origin of the world.
     pub fn node(&mut self, name: &str) {
         self.node_at(name, Affine3A::IDENTITY);

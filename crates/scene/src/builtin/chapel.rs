@@ -4,7 +4,7 @@
 //! Luminance in cd/m².
 
 use super::build::{SceneBuilder, Sides};
-use crate::{Camera, Material, Scene, Units};
+use crate::{Material, Scene, Units};
 use glam::{Affine3A, Vec2, Vec3};
 use hemicube_raster::Rgb;
 
@@ -70,12 +70,12 @@ pub(super) fn scene() -> Scene {
     altar(&mut builder, &palette);
     pews(&mut builder, &palette);
     gallery(&mut builder, &palette);
-    for (name, eye, target, fov) in [
+    builder.views(&[
         (
             "nave",
             Vec3::new(3.3, 1.7, 10.3),
             Vec3::new(17.0, 2.6, 3.0),
-            68.0_f32,
+            68.0,
         ),
         (
             "windows",
@@ -89,15 +89,7 @@ pub(super) fn scene() -> Scene {
             Vec3::new(5.5, 2.4, 3.6),
             66.0,
         ),
-    ] {
-        builder.camera(Camera::looking_at(
-            name,
-            eye,
-            target,
-            Vec3::Y,
-            fov.to_radians(),
-        ));
-    }
+    ]);
     builder.finish()
 }
 

@@ -3,7 +3,7 @@
 //! 10.8 x 6.7 x 2.7 m. Luminance in cd/m².
 
 use super::build::{SceneBuilder, Sides};
-use crate::{Camera, Material, Scene, Units};
+use crate::{Material, Scene, Units};
 use core::f32::consts::PI;
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use hemicube_raster::Rgb;
@@ -71,12 +71,12 @@ pub(super) fn scene() -> Scene {
     table(&mut builder, &palette);
     chairs(&mut builder, &palette);
     boards(&mut builder, &palette);
-    for (name, eye, target, fov) in [
+    builder.views(&[
         (
             "entrance",
             Vec3::new(10.5, 1.65, 4.6),
             Vec3::new(3.4, 0.75, 3.3),
-            60.0_f32,
+            60.0,
         ),
         (
             "table",
@@ -90,15 +90,7 @@ pub(super) fn scene() -> Scene {
             Vec3::new(8.2, 0.9, 1.8),
             58.0,
         ),
-    ] {
-        builder.camera(Camera::looking_at(
-            name,
-            eye,
-            target,
-            Vec3::Y,
-            fov.to_radians(),
-        ));
-    }
+    ]);
     builder.finish()
 }
 

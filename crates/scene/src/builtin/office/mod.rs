@@ -12,7 +12,7 @@ mod seats;
 mod shell;
 
 use super::build::SceneBuilder;
-use crate::{Camera, Scene, Units};
+use crate::{Scene, Units};
 use glam::{Vec2, Vec3};
 use palette::Palette;
 
@@ -40,7 +40,7 @@ pub(super) fn scene() -> Scene {
             "entrance",
             Vec3::new(5.62, 1.6, 3.75),
             Vec3::new(1.9, 0.92, 1.3),
-            58.0_f32,
+            58.0,
         ),
         (
             "desk",
@@ -61,14 +61,6 @@ pub(super) fn scene() -> Scene {
             60.0,
         ),
     ];
-    for (name, eye, target, fov) in views {
-        builder.camera(Camera::looking_at(
-            name,
-            eye,
-            target,
-            Vec3::Y,
-            fov.to_radians(),
-        ));
-    }
+    builder.views(&views);
     builder.finish()
 }

@@ -9,7 +9,7 @@ mod line;
 mod pipes;
 
 use super::build::SceneBuilder;
-use crate::{Camera, Material, Scene, Units};
+use crate::{Material, Scene, Units};
 use crane::crane;
 use furnace::{furnace, ladles};
 use glam::Vec3;
@@ -101,12 +101,12 @@ pub(super) fn scene() -> Scene {
     ladles(&mut builder, &palette);
     pipes(&mut builder, &palette);
     walkway(&mut builder, &palette);
-    for (name, eye, target, fov) in [
+    builder.views(&[
         (
             "hall",
             Vec3::new(2.0, 6.2, 20.5),
             Vec3::new(34.0, 3.4, 8.0),
-            62.0_f32,
+            62.0,
         ),
         (
             "strip",
@@ -126,14 +126,6 @@ pub(super) fn scene() -> Scene {
             Vec3::new(3.0, 3.0, 7.5),
             58.0,
         ),
-    ] {
-        builder.camera(Camera::looking_at(
-            name,
-            eye,
-            target,
-            Vec3::Y,
-            fov.to_radians(),
-        ));
-    }
+    ]);
     builder.finish()
 }

@@ -7,7 +7,7 @@ mod seats;
 mod stage;
 
 use super::build::SceneBuilder;
-use crate::{Camera, Material, Scene, Units};
+use crate::{Material, Scene, Units};
 use glam::{Vec2, Vec3};
 use hemicube_raster::Rgb;
 use house::{ceiling, walls};
@@ -118,12 +118,12 @@ pub(super) fn scene() -> Scene {
         balcony(&mut builder, &palette, &level);
     }
     boxes(&mut builder, &palette);
-    for (name, eye, target, fov) in [
+    builder.views(&[
         (
             "stalls",
             Vec3::new(-4.2, 3.4, 16.2),
             Vec3::new(1.5, 4.4, -2.0),
-            66.0_f32,
+            66.0,
         ),
         (
             "stage",
@@ -143,15 +143,7 @@ pub(super) fn scene() -> Scene {
             Vec3::new(9.0, 5.4, 9.0),
             68.0,
         ),
-    ] {
-        builder.camera(Camera::looking_at(
-            name,
-            eye,
-            target,
-            Vec3::Y,
-            fov.to_radians(),
-        ));
-    }
+    ]);
     builder.finish()
 }
 
