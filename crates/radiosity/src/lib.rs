@@ -41,6 +41,7 @@ pub mod job;
 pub mod patch;
 pub mod primary;
 pub mod sampling;
+mod sobol;
 pub mod solution;
 pub mod solve;
 pub mod stop;
@@ -57,7 +58,7 @@ pub use job::{
 pub use patch::edit::MaterialEdit;
 pub use patch::{NodeId, PatchMesh, PatchOptions};
 pub use solution::{EnergyBalance, Grouping, Solution};
-pub use solve::{Order, Progress, Shooting, Solver, Stochastic, StochasticOptions};
+pub use solve::{Order, Progress, Shooting, Solver, Stage, Stages, Stochastic, StochasticOptions};
 pub use visibility::Visibility;
 
 /// Index as the 32-bit number that arrays of ids hold.

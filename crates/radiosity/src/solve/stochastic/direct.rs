@@ -1,24 +1,26 @@
 //! Light that arrives straight from emitters: shadow rays from every element.
 //!
 //! Direct light has sharp shadows and comes from few places, so it is worth rays of its own at every element; what is
-//! reflected is smooth and comes from everywhere. Emitting patches are chosen for a ray in proportion to a bound of what
-//! they bring unoccluded (Shirley, Wang, Zimmerman 1996), the rays of an element evenly along their running sum. Emitters
-//! that nearly touch a patch are taken by exact factors times what rays see of them, because the kernel of point and
-//! point grows beyond all bounds there.
+//! reflected is smooth and comes from everywhere. The emitters of a ray are chosen from a cut of a [tree](super::lights)
+//! in proportion to a bound of what they bring unoccluded (Shirley, Wang, Zimmerman 1996), and to the root of the share
+//! of earlier rays that found them: of all probabilities that know visibility as a share only, those make the variance
+//! least. Emitters that nearly touch a patch are taken by exact factors times what rays see of them, because the kernel
+//! of point and point grows beyond all bounds there.
 
+use super::lights::{Lamp, Lights, Part, Place};
 use super::shoot::REPLICATES;
 use super::source::Source;
 use crate::form_factor::raycast::{RayCast, Shooter, kernel};
 use crate::form_factor::{FormFactors, RayCastOptions};
 use crate::patch::{NodeId, PatchMesh};
-use crate::sampling::{hash, point4};
+use crate::sampling::hash;
+use crate::sobol::Sobol4;
 use crate::solution::BANDS;
 use core::f64::consts::PI;
-use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Shadow rays of an element in one round of one replicate.
+/// Shadow rays of an element in one round of one replicate; a power of two.
 const RAYS: u32 = 16;
 /// Emitters nearer than so many radii of both are taken by exact factors.
 const NEAR: f32 = 2.0;
@@ -32,6 +34,9 @@ pub(super) struct Direct {
     exitance: Vec<f32>,
     channels: usize,
     emitters: Vec<Emitter>,
+    lights: Lights,
+    /// What rays of each patch have found at the parts of its cut.
+    found: Vec<Vec<Found>>,
     seed: u64,
     raycast: RayCast,
 }
@@ -39,9 +44,7 @@ pub(super) struct Direct {
 struct Emitter {
     patch: usize,
     id: NodeId,
-    normal: Vec3,
-    centroid: Vec3,
-    radius: f32,
+    place: Place,
     source: Source,
     /// By channel.
     flux: Vec<f64>,
@@ -57,6 +60,13 @@ pub(super) struct Brought {
     pub(super) rays: u64,
 }
 
+/// Rays to a part of a cut, and those that brought light. Halved where they would not fit.
+#[derive(Debug, Clone, Copy, Default)]
+struct Found {
+    rays: u8,
+    lit: u8,
+}
+
 /// Room for what an element gets.
 struct Slot<'a> {
     irradiance: &'a mut [f32],
@@ -68,10 +78,11 @@ impl Direct {
     pub(super) fn new(mesh: Arc<PatchMesh>, exitance: Vec<f32>, seed: u64) -> Self {
         let elements = mesh.elements().len();
         let channels = exitance.len() / elements;
-        let emitters = (0..mesh.patches().len())
+        let emitters: Vec<Emitter> = (0..mesh.patches().len())
             .into_par_iter()
             .filter_map(|patch| Emitter::new(&mesh, patch, &exitance, channels))
             .collect();
+        let lamps: Vec<Lamp> = emitters.iter().map(Emitter::lamp).collect();
         let options = RayCastOptions {
             rays: PAIR_RAYS,
             seed,
@@ -79,6 +90,8 @@ impl Direct {
         };
         Self {
             raycast: RayCast::new(mesh.clone(), options),
+            found: vec![Vec::new(); mesh.patches().len()],
+            lights: Lights::new(&lamps),
             mesh,
             exitance,
             channels,
@@ -100,9 +113,10 @@ impl Direct {
     /// Irradiance from emitters that nearly touch.
     pub(super) fn near(&self) -> Brought {
         let before = self.raycast.rays();
-        let mut brought = self.of_patches(|patch, slots| {
+        let patches = vec![(); self.mesh.patches().len()];
+        let (mut brought, _) = self.of_patches(patches, |patch, (), slots| {
             self.near_patch(patch, slots);
-            0
+            ((), 0)
         });
         brought.rays = self.raycast.rays() - before;
         brought
@@ -110,12 +124,23 @@ impl Direct {
 
     /// Irradiance from the others, by one more round of rays of the elements for which `wanted` tells how many rounds
     /// they have had. The rays of a round are those of all replicates; each goes on with a sequence of its own.
-    pub(super) fn round(&self, wanted: impl Fn(usize) -> Option<u32> + Sync) -> Brought {
-        self.of_patches(|patch, slots| self.far_patch(patch, &wanted, slots))
+    pub(super) fn round(&mut self, wanted: impl Fn(usize) -> Option<u32> + Sync) -> Brought {
+        let found = core::mem::take(&mut self.found);
+        let (brought, found) = self.of_patches(found, |patch, mut found, slots| {
+            let rays = self.far_patch(patch, &wanted, &mut found, slots);
+            (found, rays)
+        });
+        self.found = found;
+        brought
     }
 
-    /// Does something for each patch with the slots of its elements; it returns the number of rays.
-    fn of_patches(&self, work: impl Fn(usize, &mut [Slot<'_>]) -> u64 + Sync) -> Brought {
+    /// Does something for each patch with what is known of it and the slots of its elements; it returns what is known
+    /// then, and the number of rays.
+    fn of_patches<T: Send>(
+        &self,
+        known: Vec<T>,
+        work: impl Fn(usize, T, &mut [Slot<'_>]) -> (T, u64) + Sync,
+    ) -> (Brought, Vec<T>) {
         let elements = self.mesh.elements().len();
         let mut irradiance = vec![0.0; elements * self.channels];
         let mut replicates = vec![[0.0; REPLICATES]; elements];
@@ -126,35 +151,37 @@ impl Direct {
             irradiance,
             replicates,
         });
-        let of_patches: Vec<Vec<Slot<'_>>> = (0..self.mesh.patches().len())
-            .map(|patch| {
-                slots
-                    .by_ref()
-                    .take(self.mesh.elements_of_patch(patch).len())
-                    .collect()
+        let of_patches: Vec<(T, Vec<Slot<'_>>)> = known
+            .into_iter()
+            .enumerate()
+            .map(|(patch, known)| {
+                let count = self.mesh.elements_of_patch(patch).len();
+                (known, slots.by_ref().take(count).collect())
             })
             .collect();
-        let rays = of_patches
+        let (known, rays): (Vec<T>, Vec<u64>) = of_patches
             .into_par_iter()
             .enumerate()
-            .map(|(patch, mut slots)| work(patch, &mut slots))
-            .sum();
-        Brought {
+            .map(|(patch, (known, mut slots))| work(patch, known, &mut slots))
+            .unzip();
+        let brought = Brought {
             irradiance,
             replicates,
-            rays,
-        }
+            rays: rays.iter().sum(),
+        };
+        (brought, known)
     }
 
     fn near_patch(&self, patch: usize, slots: &mut [Slot<'_>]) {
-        let receiver = Place::of(&self.mesh, self.mesh.patches()[patch]);
-        for emitter in &self.emitters {
-            if emitter.patch == patch || !emitter.is_near(&receiver) {
-                continue;
-            }
-            if receiver.bound(emitter) <= 0.0 {
-                continue;
-            }
+        let receiver = place_of(&self.mesh, self.mesh.patches()[patch]);
+        let mut near = Vec::new();
+        self.lights.visit_near(&receiver, NEAR, |i| near.push(i));
+        near.retain(|&i| {
+            let emitter = &self.emitters[i];
+            emitter.patch != patch && emitter.is_near(&receiver)
+        });
+        near.sort_unstable();
+        for emitter in near.into_iter().map(|i| &self.emitters[i]) {
             let from = Shooter::new(&self.mesh, emitter.id);
             for (slot, e) in slots.iter_mut().zip(self.mesh.elements_of_patch(patch)) {
                 let area = f64::from(self.mesh.exposed_area(e));
@@ -175,30 +202,23 @@ impl Direct {
         &self,
         patch: usize,
         wanted: &impl Fn(usize) -> Option<u32>,
+        found: &mut Vec<Found>,
         slots: &mut [Slot<'_>],
     ) -> u64 {
         let elements = self.mesh.elements_of_patch(patch);
         if elements.clone().all(|e| wanted(e).is_none()) {
             return 0;
         }
-        let receiver = Place::of(&self.mesh, self.mesh.patches()[patch]);
-        let mut sum = 0.0;
-        let (mut far, mut sums) = (Vec::new(), Vec::new());
-        for emitter in &self.emitters {
-            if emitter.patch == patch || emitter.is_near(&receiver) {
-                continue;
-            }
-            let bound = receiver.bound(emitter);
-            if bound > 0.0 {
-                sum += bound;
-                far.push(emitter);
-                sums.push(sum);
-            }
-        }
-        if far.is_empty() {
+        let receiver = place_of(&self.mesh, self.mesh.patches()[patch]);
+        let cut = self.lights.cut(&receiver, NEAR, |i| {
+            let emitter = &self.emitters[i];
+            emitter.patch == patch || emitter.is_near(&receiver)
+        });
+        if cut.is_empty() {
             return 0;
         }
-        let lights = Lights { far, sums };
+        found.resize(cut.len(), Found::default());
+        let chances = Chances::new(cut, found);
         let mut sums = vec![0.0; self.channels];
         let mut rays = 0;
         for (slot, e) in slots.iter_mut().zip(elements) {
@@ -206,7 +226,7 @@ impl Direct {
             sums.fill(0.0);
             for replicate in 0..REPLICATES {
                 let before: f64 = sums.iter().sum();
-                self.far_element(e, &lights, replicate, rounds, &mut sums);
+                self.far_element(e, &chances, replicate, rounds, found, &mut sums);
                 let brought = sums.iter().sum::<f64>() - before;
                 slot.replicates[replicate] = super::to_f32(brought);
             }
@@ -222,47 +242,125 @@ impl Direct {
     fn far_element(
         &self,
         e: usize,
-        lights: &Lights<'_>,
+        chances: &Chances,
         replicate: usize,
         round: u32,
+        found: &mut [Found],
         sums: &mut [f64],
     ) {
         let exposed = self.mesh.exposed(e);
         if exposed.area() <= 0.0 {
             return;
         }
-        let elements = self.mesh.elements().len();
-        let visibility = self.mesh.visibility();
         let normal = self.mesh.node(self.mesh.elements()[e]).normal;
         let seed = hash(hash(self.seed, e as u64), replicate as u64);
-        // Which emitter: evenly within a round, and by van der Corput's sequence from round to round.
-        let shift = (hash(seed, 2) >> 40) as f64 / f64::from(1 << 24);
-        let shift = (shift + f64::from(round.reverse_bits()) / 4_294_967_296.0).fract();
+        let (towards, from) = (Sobol4::new(seed), Sobol4::new(hash(seed, 2)));
         for ray in 0..RAYS {
-            let [u, v, s, t] = point4(round.wrapping_mul(RAYS).wrapping_add(ray), seed);
-            let (emitter, probability) = lights.choose((f64::from(ray) + shift) / f64::from(RAYS));
-            let choice = emitter.source.choose(u);
-            let light = self.mesh.exposed(choice.element);
-            let from = light.point([choice.rest, v]);
-            let to = exposed.point([s, t]);
-            let kernel = f64::from(kernel(to - from, [emitter.normal, normal]));
-            if kernel <= 0.0 {
-                continue;
-            }
-            let visible = visibility.transmittance(
-                visibility.off_surface(to, normal),
-                visibility.off_surface(from, emitter.normal),
-            );
-            if visible.is_black() {
-                continue;
-            }
-            let density = probability * choice.probability / f64::from(light.area());
-            let weight = kernel / (PI * density * f64::from(RAYS));
-            for (channel, sum) in sums.iter_mut().enumerate() {
-                let exitance = self.exitance[channel * elements + choice.element];
-                *sum += weight * f64::from(exitance * visible[channel % BANDS]);
-            }
+            let index = round.wrapping_mul(RAYS).wrapping_add(ray);
+            let [wanted, u, v, _] = towards.point(index);
+            let [s, t, ..] = from.point(index);
+            let (slot, part, probability, rest) = chances.choose(wanted);
+            let to = Place {
+                centroid: exposed.point([s, t]),
+                normal,
+                radius: 0.0,
+            };
+            let is_lit =
+                self.lights
+                    .choose(part, &to, rest)
+                    .is_some_and(|(emitter, of_part, _)| {
+                        let scale = 1.0 / (f64::from(probability * of_part) * f64::from(RAYS));
+                        self.cast(&self.emitters[emitter], &to, [u, v], scale, sums)
+                    });
+            found[slot].count(is_lit);
         }
+    }
+
+    /// Adds what a ray brings from a point of an emitter; whether it brings any light.
+    fn cast(
+        &self,
+        emitter: &Emitter,
+        to: &Place,
+        [u, v]: [f32; 2],
+        scale: f64,
+        sums: &mut [f64],
+    ) -> bool {
+        let visibility = self.mesh.visibility();
+        let choice = emitter.source.choose(u);
+        let light = self.mesh.exposed(choice.element);
+        let from = light.point([choice.rest, v]);
+        let normals = [emitter.place.normal, to.normal];
+        let kernel = f64::from(kernel(to.centroid - from, normals));
+        if kernel <= 0.0 {
+            return false;
+        }
+        let visible = visibility.transmittance(
+            visibility.off_surface(to.centroid, to.normal),
+            visibility.off_surface(from, emitter.place.normal),
+        );
+        if visible.is_black() {
+            return false;
+        }
+        let weight = scale * kernel * f64::from(light.area()) / (PI * choice.probability);
+        let elements = self.mesh.elements().len();
+        for (channel, sum) in sums.iter_mut().enumerate() {
+            let exitance = self.exitance[channel * elements + choice.element];
+            *sum += weight * f64::from(exitance * visible[channel % BANDS]);
+        }
+        true
+    }
+}
+
+/// Which parts of a cut rays go to, by running sums.
+struct Chances {
+    cut: Vec<Part>,
+    sums: Vec<f32>,
+}
+
+impl Chances {
+    fn new(cut: Vec<Part>, found: &[Found]) -> Self {
+        let mut sum = 0.0;
+        let pairs = cut.iter().zip(found);
+        let sums = pairs.map(|(part, found)| {
+            sum += part.bound * found.share().sqrt();
+            sum
+        });
+        Self {
+            sums: sums.collect(),
+            cut,
+        }
+    }
+
+    /// Position, part, probability, and what is left of a number in [0, 1).
+    fn choose(&self, sample: f32) -> (usize, &Part, f32, f32) {
+        let total = self.sums[self.sums.len() - 1];
+        let wanted = sample * total;
+        let index = self.sums.partition_point(|&sum| sum <= wanted);
+        let index = index.min(self.sums.len() - 1);
+        let start = if index == 0 {
+            0.0
+        } else {
+            self.sums[index - 1]
+        };
+        let share = self.sums[index] - start;
+        let rest = ((wanted - start) / share).clamp(0.0, 0.999_999_94);
+        (index, &self.cut[index], share / total, rest)
+    }
+}
+
+impl Found {
+    fn count(&mut self, is_lit: bool) {
+        if self.rays == u8::MAX {
+            self.rays /= 2;
+            self.lit /= 2;
+        }
+        self.rays += 1;
+        self.lit += u8::from(is_lit);
+    }
+
+    /// Share of rays that bring light, between none and all as long as little is known.
+    fn share(self) -> f32 {
+        (f32::from(self.lit) + 0.25) / (f32::from(self.rays) + 0.5)
     }
 }
 
@@ -283,77 +381,38 @@ impl Emitter {
             mesh.elements_of_patch(patch).map(of).sum()
         };
         let id = mesh.patches()[patch];
-        let place = Place::of(mesh, id);
         Some(Self {
             patch,
             id,
-            normal: place.normal,
-            centroid: place.centroid,
-            radius: place.radius,
+            place: place_of(mesh, id),
             source,
             flux: (0..channels).map(flux).collect(),
         })
     }
 
     fn is_near(&self, receiver: &Place) -> bool {
-        let reach = NEAR * (self.radius + receiver.radius);
-        self.centroid.distance_squared(receiver.centroid) < reach * reach
+        let reach = NEAR * (self.place.radius + receiver.radius);
+        self.place.centroid.distance_squared(receiver.centroid) < reach * reach
+    }
+
+    fn lamp(&self) -> Lamp {
+        Lamp {
+            centroid: self.place.centroid,
+            normal: self.place.normal,
+            radius: self.place.radius,
+            flux: super::to_f32(self.source.total()),
+        }
     }
 }
 
 /// Where a patch is.
-struct Place {
-    centroid: Vec3,
-    normal: Vec3,
-    radius: f32,
-}
-
-impl Place {
-    fn of(mesh: &PatchMesh, id: NodeId) -> Self {
-        let node = mesh.node(id);
-        let corners = mesh.polygon(id);
-        let distances = corners.iter().map(|c| c.distance(node.centroid));
-        Self {
-            centroid: node.centroid,
-            normal: node.normal,
-            radius: distances.fold(0.0, f32::max),
-        }
-    }
-
-    /// What an emitter brings at most, about: its flux, the largest cosines, the mean distance.
-    fn bound(&self, emitter: &Emitter) -> f64 {
-        let offset = self.centroid - emitter.centroid;
-        let distance = offset.length().max(f32::MIN_POSITIVE);
-        let reach = (self.radius + emitter.radius) / distance;
-        let direction = offset / distance;
-        let leaving = direction.dot(emitter.normal) + reach;
-        let arriving = -direction.dot(self.normal) + reach;
-        if leaving <= 0.0 || arriving <= 0.0 {
-            return 0.0;
-        }
-        let cosines = f64::from(leaving.min(1.0) * arriving.min(1.0));
-        emitter.source.total() * cosines / f64::from(distance * distance)
-    }
-}
-
-/// The emitters that a patch may see, by running sums of what they bring.
-struct Lights<'a> {
-    far: Vec<&'a Emitter>,
-    sums: Vec<f64>,
-}
-
-impl Lights<'_> {
-    /// One of them, for a number in [0, 1), and its probability.
-    fn choose(&self, sample: f64) -> (&Emitter, f64) {
-        let total = self.sums[self.sums.len() - 1];
-        let wanted = sample * total;
-        let found = self.sums.partition_point(|&sum| sum <= wanted);
-        let index = found.min(self.sums.len() - 1);
-        let start = if index == 0 {
-            0.0
-        } else {
-            self.sums[index - 1]
-        };
-        (self.far[index], (self.sums[index] - start) / total)
+fn place_of(mesh: &PatchMesh, id: NodeId) -> Place {
+    let node = mesh.node(id);
+    let corners = mesh.polygon(id);
+    let distances = corners.iter().map(|c| c.distance(node.centroid));
+    Place {
+        centroid: node.centroid,
+        normal: node.normal,
+        radius: distances.fold(0.0, f32::max),
     }
 }

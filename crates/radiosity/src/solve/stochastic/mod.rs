@@ -3,11 +3,11 @@
 //! The work is split by what it needs:
 //!
 //! 1. *Direct* light, which has the sharp shadows: shadow rays from every element to the emitters.
-//! 2. *Spreading*: each step shoots all that is unshot, by as many rays as it is worth, until little is left.
-//! 3. *Refining* what makes most of the noise: by more shadow rays where direct light is uncertain, or by shooting all
-//!    reflected light anew, where the results of all steps are averaged by their rays, so that every ray counts. Where
-//!    no ray has ever been lost, a constant radiosity needs no rays, as what leaves at it arrives at it: it is
-//!    subtracted from what is shot and added to what arrives (a control variate).
+//! 2. *Spreading*: each step shoots all that is unshot, by as many rays as it is worth, until little is left. Where no
+//!    ray has ever been lost, a constant radiosity needs no rays, as what leaves at it arrives at it: it is subtracted
+//!    from what is shot and added to what arrives (a control variate).
+//! 3. *Refining* what makes most of the noise, where it is: by more shadow rays, or by rays that gather reflected light
+//!    at uncertain receivers. All estimates of a receiver are averaged, so that every ray counts.
 //!
 //! Interreflected light is counted on elements, or on patches where there are more than 50,000 elements. Rays follow
 //! low-discrepancy sequences that go on from step to step. They come in four independent replicates, whose differences
@@ -16,17 +16,25 @@
 //! The cost of a step is that of its rays: with so many for each receiver, an error takes work that grows with the
 //! scene as the depth of its hierarchy of boxes does beyond the number of receivers.
 
+mod balance;
 mod direct;
+mod gather;
 mod interpolate;
+mod light;
+mod lights;
+mod noise;
 mod receivers;
 mod shoot;
 mod source;
 mod tally;
 
+use self::balance::Lost;
 use self::direct::Direct;
+use self::gather::Gatherer;
 use self::interpolate::Interpolation;
+use self::light::{DirectLight, Reflected};
 use self::receivers::Receivers;
-use self::shoot::{Arrived, REPLICATES, Shooter};
+use self::shoot::{Arrived, Shooter};
 use crate::error::RadiosityError;
 use crate::patch::PatchMesh;
 use crate::sampling::hash;
@@ -34,11 +42,13 @@ use crate::solution::{BANDS, Solution};
 use crate::solve::{Progress, Solver};
 use rayon::prelude::*;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// How the rays are spent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StochasticOptions {
-    /// Rays for each receiver, on average, that carry all reflected light once. Default value: 256.
+    /// Rays by which a receiver gathers reflected light in a round; for spreading it a quarter as many are shot for each
+    /// receiver, on average. Default value: 256.
     pub rays: u32,
     /// Finished at this noise ([`Stochastic::noise`]). Default value: 0.03.
     pub noise: f64,
@@ -68,12 +78,8 @@ const MOST_REFINEMENTS: u32 = 4096;
 const HALF: f64 = 0.5;
 /// Unshot share of which most is the rounding of numbers.
 const ROUNDING: f64 = 1e-6;
-/// Rays that tell which share of direct light is lost.
-const PROBING_RAYS: u64 = 1 << 18;
-/// Largest relative correction of direct light by that share.
-const TRUSTED_CORRECTION: f64 = 0.05;
-/// Elements that receive less than this share of the mean do not count for the noise.
-const DIM: f64 = 0.01;
+/// Share of the rays by which a receiver gathers that is shot for it while light is spread.
+const SPREADING: f64 = 0.25;
 
 /// What the next step does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,8 +87,28 @@ enum Phase {
     Direct,
     Spread,
     Refine,
-    Repeat,
+    Gather,
     Done,
+}
+
+/// What a stage of the work has cost so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Stage {
+    /// Rays that were cast.
+    pub rays: u64,
+    /// Time spent.
+    pub time: Duration,
+}
+
+/// What the stages have cost so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Stages {
+    /// Shadow rays to emitters.
+    pub direct: Stage,
+    /// Rays that shoot what is unshot.
+    pub spreading: Stage,
+    /// Rays that gather.
+    pub gathering: Stage,
 }
 
 /// Radiosity by rays alone.
@@ -91,53 +117,25 @@ pub struct Stochastic {
     options: StochasticOptions,
     phase: Phase,
     receivers: Receivers,
-    areas: Vec<f64>,
     interpolation: Option<Interpolation>,
     shooter: Shooter,
+    gatherer: Gatherer,
     direct: Direct,
-    light: Light,
+    /// Irradiance before the first step, `[channel][element]`: sun, sky and points, or what another solver brought.
+    before: Vec<f32>,
+    direct_light: DirectLight,
+    reflected: Reflected,
+    /// Radiosity that has been shot, `[channel][element]`.
+    shot: Vec<f32>,
     lost: Lost,
-    /// Rays of direct light, of spreading and of repetitions.
-    rays: [u64; 3],
+    stages: Stages,
     refinements: u32,
-    /// Whether all its light is of this solver, so that it can be shot anew.
+    /// Whether all its light is of this solver, so that it can be refined.
     is_new: bool,
     emitted: f64,
     noise: f64,
     /// Its parts, of direct and of reflected light.
     noises: [f64; 2],
-}
-
-/// What irradiance is made of. Elements of a channel follow each other, except where it is said otherwise.
-struct Light {
-    /// Before the first step: sun, sky and points, or what another solver brought.
-    before: Vec<f32>,
-    /// From emitters that nearly touch, and the sum over rounds of what the others bring, `[element][channel]`.
-    near: Vec<f32>,
-    far: Vec<f32>,
-    /// Rounds of each element.
-    rounds: Vec<u32>,
-    /// The sum over rounds, summed over channels, of each replicate.
-    far_replicates: Vec<[f32; REPLICATES]>,
-    /// Factor on direct light by channel, which makes it account for all that is emitted.
-    scale: Vec<f64>,
-    /// Reflected light of each receiver, `[channel][receiver]`.
-    indirect: Vec<f64>,
-    /// The same summed over channels, of each replicate, `[replicate][receiver]`.
-    replicates: Vec<f64>,
-    /// Radiosity that has been shot, `[channel][element]`.
-    shot: Vec<f32>,
-}
-
-/// Flux that no element received, by channel: of direct light, and of reflected light.
-#[derive(Default)]
-struct Lost {
-    direct: [Vec<f64>; 2],
-    /// What rays from the emitters say of direct light.
-    probed: [Vec<f64>; 2],
-    indirect: [Vec<f64>; 2],
-    /// Absorbed by backs and escaped before the first step.
-    before: Vec<[f64; 2]>,
 }
 
 impl Stochastic {
@@ -166,7 +164,12 @@ impl Stochastic {
             vec![0.0; channels * elements]
         };
         let direct = Direct::new(mesh.clone(), exitance, hash(options.seed, 1));
-        let mut solver = Self {
+        let gatherer = Gatherer::new(receivers, options.rays, hash(options.seed, 4));
+        let mut shot = outgoing(&solution);
+        let unshot = all_channels(&solution, Solution::unshot);
+        let pairs = shot.iter_mut().zip(unshot);
+        pairs.for_each(|(shot, unshot)| *shot -= unshot);
+        Ok(Self {
             phase: if direct.is_dark() {
                 Phase::Spread
             } else {
@@ -175,19 +178,11 @@ impl Stochastic {
             interpolation: (receivers == Receivers::Patches)
                 .then(|| Interpolation::new(&mesh, areas.clone())),
             shooter: Shooter::new(&mesh, receivers, hash(options.seed, 2)),
-            light: Light {
-                before: all_channels(&solution, Solution::irradiance),
-                near: Vec::new(),
-                far: vec![0.0; channels * elements],
-                rounds: vec![0; elements],
-                far_replicates: vec![[0.0; REPLICATES]; elements],
-                scale: vec![1.0; channels],
-                indirect: vec![0.0; channels * areas.len()],
-                replicates: vec![0.0; REPLICATES * areas.len()],
-                shot: Vec::new(),
-            },
+            before: all_channels(&solution, Solution::irradiance),
+            direct_light: DirectLight::new(elements, channels),
+            reflected: Reflected::new(areas, channels, gatherer.rays_of_round()),
             lost: Lost::new(&solution),
-            rays: [0; 3],
+            stages: Stages::default(),
             refinements: 0,
             is_new,
             emitted: (0..BANDS)
@@ -195,21 +190,13 @@ impl Stochastic {
                 .sum(),
             noise: f64::INFINITY,
             noises: [f64::INFINITY; 2],
+            gatherer,
+            shot,
             direct,
             receivers,
-            areas,
             options,
             solution,
-        };
-        solver.light.shot = solver.outgoing();
-        let unshot = all_channels(&solver.solution, Solution::unshot);
-        solver
-            .light
-            .shot
-            .iter_mut()
-            .zip(unshot)
-            .for_each(|(shot, unshot)| *shot -= unshot);
-        Ok(solver)
+        })
     }
 
     /// Relative standard error of the irradiance, root mean square over the elements that receive more than a hundredth
@@ -223,15 +210,30 @@ impl Stochastic {
         (self.is_new && self.noise.is_finite()).then_some(self.noise)
     }
 
+    /// Its parts: of direct light, and of reflected light.
+    pub fn noises(&self) -> [f64; 2] {
+        self.noises
+    }
+
     /// Rays that were cast.
     pub fn rays(&self) -> u64 {
-        self.rays.iter().sum()
+        let Stages {
+            direct,
+            spreading,
+            gathering,
+        } = self.stages;
+        direct.rays + spreading.rays + gathering.rays
+    }
+
+    /// Rays and time of each stage so far.
+    pub fn stages(&self) -> Stages {
+        self.stages
     }
 
     /// Estimated standard error of an element's irradiance, summed over channels and undimmed; infinite as long as
     /// nothing is known.
     pub fn standard_error(&self, element: usize) -> f64 {
-        (self.direct_variance(element) + self.indirect_variance(element)).sqrt()
+        (self.direct_light.variance(element) + self.reflected_variance(element)).sqrt()
     }
 
     fn mesh(&self) -> &Arc<PatchMesh> {
@@ -242,190 +244,135 @@ impl Stochastic {
         self.solution.groups().len() * BANDS
     }
 
-    /// What leaves the elements, shot or not, `[channel][element]`.
-    fn outgoing(&self) -> Vec<f32> {
-        let reflectance = self.mesh().reflectance();
-        let mut radiosity = all_channels(&self.solution, Solution::irradiance);
-        let exitance = all_channels(&self.solution, Solution::exitance);
-        let elements = reflectance.len();
-        for (i, (value, emitted)) in radiosity.iter_mut().zip(exitance).enumerate() {
-            *value = emitted + *value * reflectance[i % elements][i / elements % BANDS];
-        }
-        radiosity
-    }
-
     /// The first round of direct light.
     fn begin_direct(&mut self) {
+        let start = Instant::now();
         let near = self.direct.near();
-        self.rays[0] += near.rays;
-        self.light.near = near.irradiance;
+        self.stages.direct.rays += near.rays;
+        self.direct_light.near = near.irradiance;
         self.probe();
         // What is emitted counts as shot from now on.
-        let shot = self.light.shot.iter_mut().zip(self.direct.exitance());
+        let shot = self.shot.iter_mut().zip(self.direct.exitance());
         shot.for_each(|(shot, emitted)| *shot += emitted);
-        self.add_round(|_| true);
+        self.add_direct_round(|_| true);
+        self.stages.direct.time += start.elapsed();
+        self.update();
         self.phase = Phase::Spread;
     }
 
     /// One more round of direct light for the elements of which it is uncertain.
     fn refine_direct(&mut self) {
+        let start = Instant::now();
         let doubt = HALF * self.noises[0];
-        let elements = 0..self.mesh().elements().len();
-        let is_uncertain: Vec<bool> = elements
+        let is_uncertain: Vec<bool> = (0..self.mesh().elements().len())
             .into_par_iter()
             .map(|e| {
                 let irradiance = self.total_irradiance(e);
-                irradiance > 0.0 && self.direct_variance(e).sqrt() >= doubt * irradiance
+                irradiance > 0.0 && self.direct_light.variance(e).sqrt() >= doubt * irradiance
             })
             .collect();
-        self.add_round(|e| is_uncertain[e]);
+        self.add_direct_round(|e| is_uncertain[e]);
+        self.stages.direct.time += start.elapsed();
+        self.update();
         self.phase = self.next_phase();
     }
 
-    /// Casts one more round of rays for some elements.
-    fn add_round(&mut self, is_wanted: impl Fn(usize) -> bool + Sync) {
-        let light = &mut self.light;
-        let brought = self
-            .direct
-            .round(|e| is_wanted(e).then_some(light.rounds[e]));
-        self.rays[0] += brought.rays;
-        let channels = light.scale.len();
-        let new = brought
-            .irradiance
-            .chunks_exact(channels)
-            .zip(&brought.replicates);
-        let old = light
-            .far
-            .chunks_exact_mut(channels)
-            .zip(&mut light.far_replicates);
-        for (e, ((new, new_replicates), (old, replicates))) in new.zip(old).enumerate() {
-            if !is_wanted(e) {
-                continue;
-            }
-            light.rounds[e] += 1;
-            old.iter_mut().zip(new).for_each(|(old, new)| *old += new);
-            replicates
-                .iter_mut()
-                .zip(new_replicates)
-                .for_each(|(old, new)| *old += new);
-        }
+    /// Casts one more round of shadow rays for some elements.
+    fn add_direct_round(&mut self, is_wanted: impl Fn(usize) -> bool + Sync) {
+        let rounds = &self.direct_light.rounds;
+        let brought = self.direct.round(|e| is_wanted(e).then_some(rounds[e]));
+        self.stages.direct.rays += brought.rays;
+        self.direct_light.add_round(&brought, is_wanted);
         self.close_direct();
-        self.update();
-    }
-
-    /// Rays from the emitters tell which share of direct light is lost.
-    fn probe(&mut self) {
-        let mesh = self.mesh().clone();
-        let mut prober = Shooter::new(&mesh, self.receivers, hash(self.options.seed, 3));
-        let probe = prober.shoot(&mesh, self.direct.exitance(), PROBING_RAYS);
-        self.rays[0] += probe.rays;
-        self.lost.probed = [probe.backs, probe.escaped];
-    }
-
-    /// Makes direct light account for all that is emitted.
-    fn close_direct(&mut self) {
-        let mesh = self.mesh().clone();
-        let elements = mesh.elements().len();
-        for channel in 0..self.channels() {
-            let area = |e: usize| f64::from(mesh.exposed_area(e));
-            let kept = |e: usize| 1.0 - f64::from(mesh.transmittance()[e][channel % BANDS]);
-            self.light.scale[channel] = 1.0;
-            let received: f64 = (0..elements)
-                .map(|e| self.light.direct(e, channel) * kept(e) * area(e))
-                .sum();
-            let exitance = &self.direct.exitance()[channel * elements..(channel + 1) * elements];
-            let flux = |(e, &b): (usize, &f32)| f64::from(b) * area(e);
-            let emitted: f64 = exitance.iter().enumerate().map(flux).sum();
-            let [backs, escaped] = [0, 1].map(|way| self.lost.probed[way][channel]);
-            let scale = (emitted - backs - escaped) / received;
-            let is_trusted = (scale - 1.0).abs() <= TRUSTED_CORRECTION;
-            let (scale, lost) = if is_trusted {
-                (scale, [backs, escaped])
-            } else {
-                let share = (emitted - received) / (backs + escaped);
-                let shares = [backs * share, escaped * share];
-                let is_known = shares.iter().all(|flux| flux.is_finite());
-                (
-                    1.0,
-                    if is_known {
-                        shares
-                    } else {
-                        [0.0, emitted - received]
-                    },
-                )
-            };
-            self.light.scale[channel] = scale;
-            self.lost.direct[0][channel] = lost[0];
-            self.lost.direct[1][channel] = lost[1];
-        }
     }
 
     /// Shoots all that is unshot.
     fn spread(&mut self) {
+        let start = Instant::now();
         let unshot = all_channels(&self.solution, Solution::unshot);
         let share = self.solution.unshot_fraction().min(1.0);
-        let rays = self.rays_of_step() * share;
-        let mesh = self.mesh().clone();
-        let arrived = self.shooter.shoot(&mesh, &unshot, whole(rays));
-        self.rays[1] += arrived.rays;
-        self.light
-            .shot
-            .iter_mut()
-            .zip(&unshot)
-            .for_each(|(shot, unshot)| *shot += unshot);
-        self.take(&arrived, 1.0, 1.0);
+        let rays = SPREADING * self.rays_of_step() * share;
+        let arrived = self.shoot(&unshot, rays);
+        self.stages.spreading.rays += arrived.rays;
+        let pairs = self.shot.iter_mut().zip(&unshot);
+        pairs.for_each(|(shot, unshot)| *shot += unshot);
+        self.reflected.add_shots(&arrived, rays);
+        self.lost.add_reflected(&arrived);
+        self.stages.spreading.time += start.elapsed();
         self.update();
         if self.solution.unshot_fraction() <= self.options.tolerance.max(ROUNDING) {
             self.phase = self.next_phase();
         }
     }
 
-    /// Shoots all reflected light anew and averages.
-    fn repeat(&mut self) {
+    /// Shoots a radiosity; a constant part of it without rays, where nothing is lost.
+    fn shoot(&mut self, radiosity: &[f32], rays: f64) -> Arrived {
         let mesh = self.mesh().clone();
+        if !self.loses_nothing() {
+            return self.shooter.shoot(&mesh, radiosity, whole(rays));
+        }
         let elements = mesh.elements().len();
-        let mut radiosity = self.outgoing();
-        if !self.direct.is_dark() {
-            let exitance = self.direct.exitance();
-            radiosity
-                .iter_mut()
-                .zip(exitance)
-                .for_each(|(b, e)| *b -= e);
-        }
-        let constants: Vec<f32> = (0..self.channels())
-            .map(|channel| {
-                let range = channel * elements..(channel + 1) * elements;
-                if self.loses_nothing() {
-                    mean(&mesh, &radiosity[range])
-                } else {
-                    0.0
-                }
-            })
+        let channels = radiosity.chunks_exact(elements);
+        let constants: Vec<f32> = channels.map(|values| mean(&mesh, values)).collect();
+        let rest = radiosity.chunks_exact(elements).zip(&constants);
+        let rest: Vec<f32> = rest
+            .flat_map(|(values, constant)| values.iter().map(move |b| b - constant))
             .collect();
-        let shot = radiosity.clone();
-        for (channel, constant) in constants.iter().enumerate() {
-            let range = channel * elements..(channel + 1) * elements;
-            radiosity[range].iter_mut().for_each(|b| *b -= constant);
-        }
-        let rays = self.rays_of_step();
-        let mut arrived = self.shooter.shoot(&mesh, &radiosity, whole(rays));
-        self.add_constants(&mut arrived, &constants);
-        let before = self.rays[1] + self.rays[2];
-        self.rays[2] += arrived.rays;
-        let weight = arrived.rays as f64 / (before + arrived.rays) as f64;
-        let emitted: Vec<f32> = if !self.direct.is_dark() {
-            self.direct.exitance().to_vec()
-        } else {
-            vec![0.0; shot.len()]
-        };
-        let now = shot.iter().zip(&emitted);
-        for (old, (new, emitted)) in self.light.shot.iter_mut().zip(now) {
-            let reflected = f64::from(*old - emitted);
-            *old = to_f32(reflected + weight * (f64::from(*new) - reflected)) + emitted;
-        }
-        self.take(&arrived, 1.0 - weight, weight);
+        let share = magnitude(&mesh, &rest) / magnitude(&mesh, radiosity).max(f64::MIN_POSITIVE);
+        let mut arrived = self
+            .shooter
+            .shoot(&mesh, &rest, whole(rays * share.min(1.0)));
+        arrived.add_constants(&self.reflected.areas, &constants);
+        arrived
+    }
+
+    /// Gathers all reflected light anew at the receivers of which it is uncertain, at all of them the first time.
+    fn gather(&mut self) {
+        let start = Instant::now();
+        let mesh = self.mesh().clone();
+        let radiosity = self.reflected_radiosity();
+        let is_uncertain = self.uncertain_receivers();
+        let reflected = &self.reflected;
+        let receivers = is_uncertain.len();
+        let gathered = self
+            .gatherer
+            .round(&mesh, &radiosity, receivers, |receiver| {
+                is_uncertain[receiver].then(|| reflected.rounds(receiver))
+            });
+        self.stages.gathering.rays += gathered.rays;
+        self.reflected
+            .add_round(&gathered, |receiver| is_uncertain[receiver]);
+        self.stages.gathering.time += start.elapsed();
         self.update();
         self.phase = self.next_phase();
+    }
+
+    /// Receivers one of whose elements is uncertain because of reflected light.
+    fn uncertain_receivers(&self) -> Vec<bool> {
+        let doubt = HALF * self.noises[1];
+        let mut is_uncertain = vec![!self.reflected.has_gathered(); self.reflected.areas.len()];
+        for e in 0..self.mesh().elements().len() {
+            let irradiance = self.total_irradiance(e);
+            if irradiance > 0.0 && self.reflected_variance(e).sqrt() >= doubt * irradiance {
+                is_uncertain[self.receivers.of_element(self.mesh(), e)] = true;
+            }
+        }
+        is_uncertain
+    }
+
+    /// What leaves the elements by reflection, `[element][channel]`.
+    fn reflected_radiosity(&self) -> Vec<f32> {
+        let reflectance = self.mesh().reflectance();
+        let channels = self.channels();
+        let mut radiosity = vec![0.0; channels * reflectance.len()];
+        for channel in 0..channels {
+            let irradiance = self.solution.irradiance(channel / BANDS, channel % BANDS);
+            let out = radiosity.iter_mut().skip(channel).step_by(channels);
+            for ((out, h), rho) in out.zip(irradiance).zip(reflectance) {
+                *out = h * rho[channel % BANDS];
+            }
+        }
+        radiosity
     }
 
     /// What makes most of the noise is next.
@@ -436,76 +383,31 @@ impl Stochastic {
         match (is_over, self.noises[0] > self.noises[1]) {
             (true, _) => Phase::Done,
             (false, true) => Phase::Refine,
-            (false, false) => Phase::Repeat,
+            (false, false) => Phase::Gather,
         }
     }
 
     /// Rays that carry all light once.
     fn rays_of_step(&self) -> f64 {
-        f64::from(self.options.rays) * self.areas.len() as f64
-    }
-
-    fn loses_nothing(&self) -> bool {
-        let lost = self.lost.direct.iter().chain(&self.lost.indirect);
-        let tints = self.mesh().transmittance().iter().any(|t| !t.is_black());
-        !tints && lost.flatten().all(|&flux| flux == 0.0)
-    }
-
-    /// What a constant radiosity brings where nothing is lost.
-    fn add_constants(&self, arrived: &mut Arrived, constants: &[f32]) {
-        let receivers = self.areas.len();
-        let total: f64 = constants.iter().map(|&c| f64::from(c)).sum();
-        for (receiver, area) in self.areas.iter().enumerate() {
-            for (channel, &constant) in constants.iter().enumerate() {
-                arrived.received[channel * receivers + receiver] += f64::from(constant) * area;
-            }
-            for replicate in 0..REPLICATES {
-                arrived.replicates[replicate * receivers + receiver] += total * area;
-            }
-        }
-    }
-
-    /// Mixes what has arrived into reflected light.
-    fn take(&mut self, arrived: &Arrived, kept: f64, weight: f64) {
-        let receivers = self.areas.len();
-        let mix = |old: &mut [f64], new: &[f64]| {
-            for (i, (old, new)) in old.iter_mut().zip(new).enumerate() {
-                let area = self.areas[i % receivers];
-                let new = if area > 0.0 { new / area } else { 0.0 };
-                *old = *old * kept + new * weight;
-            }
-        };
-        mix(&mut self.light.indirect, &arrived.received);
-        mix(&mut self.light.replicates, &arrived.replicates);
-        for (old, new) in self
-            .lost
-            .indirect
-            .iter_mut()
-            .zip([&arrived.backs, &arrived.escaped])
-        {
-            for (old, new) in old.iter_mut().zip(new) {
-                *old = *old * kept + new * weight;
-            }
-        }
+        f64::from(self.options.rays) * self.reflected.areas.len() as f64
     }
 
     /// Brings the solution up to date, and the noise.
     fn update(&mut self) {
-        let mesh = self.mesh().clone();
-        let elements = mesh.elements().len();
+        if self.reflected.has_gathered() {
+            self.close_reflected();
+        }
+        let elements = self.mesh().elements().len();
         let mut irradiance = vec![0.0; self.channels() * elements];
         for channel in 0..self.channels() {
             let range = channel * elements..(channel + 1) * elements;
             let values = &mut irradiance[range.clone()];
-            self.spread_indirect(channel, values);
-            let before = &self.light.before[range];
-            values
-                .par_iter_mut()
-                .zip(before)
-                .enumerate()
-                .for_each(|(e, (value, before))| {
-                    *value += before + to_f32(self.light.direct(e, channel));
-                });
+            self.spread_reflected(channel, values);
+            let before = &self.before[range];
+            let pairs = values.par_iter_mut().zip(before).enumerate();
+            pairs.for_each(|(e, (value, before))| {
+                *value += before + to_f32(self.direct_light.irradiance(e, channel));
+            });
         }
         self.write(&irradiance);
         self.noises = self.estimate_noises();
@@ -513,150 +415,16 @@ impl Stochastic {
     }
 
     /// Reflected light of the elements.
-    fn spread_indirect(&self, channel: usize, values: &mut [f32]) {
-        let receivers = self.areas.len();
-        let indirect = &self.light.indirect[channel * receivers..(channel + 1) * receivers];
-        let indirect: Vec<f32> = indirect.iter().map(|&h| to_f32(h)).collect();
+    fn spread_reflected(&self, channel: usize, values: &mut [f32]) {
+        let receivers = 0..self.reflected.areas.len();
+        let light: Vec<f32> = receivers
+            .into_par_iter()
+            .map(|receiver| to_f32(self.reflected.irradiance(receiver, channel)))
+            .collect();
         match &self.interpolation {
-            Some(interpolation) => interpolation.to_elements(self.mesh(), &indirect, values),
-            None => values.copy_from_slice(&indirect),
+            Some(interpolation) => interpolation.to_elements(self.mesh(), &light, values),
+            None => values.copy_from_slice(&light),
         }
-    }
-
-    /// Irradiance, what of it is unshot, and where the light went.
-    fn write(&mut self, irradiance: &[f32]) {
-        let mesh = self.mesh().clone();
-        let elements = mesh.elements().len();
-        let (values, unshot, balances) = self.solution.channels_mut();
-        values.copy_from_slice(irradiance);
-        for (channel, balance) in balances.as_flattened_mut().iter_mut().enumerate() {
-            let band = channel % BANDS;
-            let absorbed = |e: usize| {
-                let share = 1.0 - mesh.transmittance()[e][band] - mesh.reflectance()[e][band];
-                f64::from(share)
-                    * f64::from(irradiance[channel * elements + e])
-                    * f64::from(mesh.exposed_area(e))
-            };
-            let [backs, escaped] = self.lost.of(channel);
-            balance.absorbed = (0..elements).map(absorbed).sum::<f64>() + backs;
-            balance.escaped = escaped;
-        }
-        let _ = unshot;
-        let outgoing = self.outgoing();
-        let shot = &self.light.shot;
-        let (_, unshot, _) = self.solution.channels_mut();
-        unshot
-            .par_iter_mut()
-            .zip(outgoing.par_iter().zip(shot))
-            .for_each(|(unshot, (outgoing, shot))| *unshot = outgoing - shot);
-    }
-
-    /// Of direct and of reflected light.
-    fn estimate_noises(&self) -> [f64; 2] {
-        let elements = self.mesh().elements().len();
-        let irradiance: Vec<f64> = (0..elements)
-            .into_par_iter()
-            .map(|e| self.total_irradiance(e))
-            .collect();
-        let area = |e: usize| f64::from(self.mesh().exposed_area(e));
-        let flux: f64 = irradiance
-            .iter()
-            .enumerate()
-            .map(|(e, h)| h * area(e))
-            .sum();
-        let least = DIM * flux / (0..elements).map(area).sum::<f64>();
-        let squares: Vec<[f64; 2]> = irradiance
-            .into_par_iter()
-            .enumerate()
-            .filter(|&(_, h)| h > least)
-            .map(|(e, h)| {
-                let square = h * h;
-                [
-                    self.direct_variance(e) / square,
-                    self.indirect_variance(e) / square,
-                ]
-            })
-            .collect();
-        let mean = |i: usize| {
-            let sum: f64 = squares.iter().map(|square| square[i]).sum();
-            (sum / squares.len().max(1) as f64).sqrt()
-        };
-        [mean(0), mean(1)]
-    }
-
-    /// Irradiance of an element, summed over channels.
-    fn total_irradiance(&self, element: usize) -> f64 {
-        (0..self.channels())
-            .map(|c| f64::from(self.solution.irradiance(c / BANDS, c % BANDS)[element]))
-            .sum()
-    }
-
-    fn direct_variance(&self, element: usize) -> f64 {
-        let rounds = f64::from(self.light.rounds[element].max(1));
-        let values = self.light.far_replicates[element].map(|sum| f64::from(sum) / rounds);
-        variance_of_mean(values)
-    }
-
-    fn indirect_variance(&self, element: usize) -> f64 {
-        let receiver = self.receivers.of_element(self.mesh(), element);
-        let receivers = self.areas.len();
-        variance_of_mean(core::array::from_fn(|g| {
-            self.light.replicates[g * receivers + receiver]
-        }))
-    }
-}
-
-/// Squared standard error of the mean of independent estimates.
-fn variance_of_mean(values: [f64; REPLICATES]) -> f64 {
-    let n = REPLICATES as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))
-}
-
-impl Light {
-    /// Direct irradiance of an element in a channel.
-    fn direct(&self, element: usize, channel: usize) -> f64 {
-        if self.near.is_empty() {
-            return 0.0;
-        }
-        let i = element * self.scale.len() + channel;
-        let far = f64::from(self.far[i]) / f64::from(self.rounds[element].max(1));
-        (far + f64::from(self.near[i])) * self.scale[channel]
-    }
-}
-
-impl Lost {
-    /// Nothing is lost yet but what the solution knows.
-    fn new(solution: &Solution) -> Self {
-        let mesh = solution.mesh();
-        let channels = solution.groups().len() * BANDS;
-        let before = (0..channels).map(|channel| {
-            let (group, band) = (channel / BANDS, channel % BANDS);
-            let balance = solution.balance(group, band);
-            let irradiance = solution.irradiance(group, band);
-            let absorbed: f64 = (0..irradiance.len())
-                .map(|e| {
-                    let share = 1.0 - mesh.transmittance()[e][band] - mesh.reflectance()[e][band];
-                    f64::from(share) * f64::from(irradiance[e]) * f64::from(mesh.exposed_area(e))
-                })
-                .sum();
-            [balance.absorbed - absorbed, balance.escaped]
-        });
-        let zeros = || [vec![0.0; channels], vec![0.0; channels]];
-        Self {
-            before: before.collect(),
-            direct: zeros(),
-            probed: zeros(),
-            indirect: zeros(),
-        }
-    }
-
-    /// To backs, and to nowhere.
-    fn of(&self, channel: usize) -> [f64; 2] {
-        let way = |i: usize| {
-            self.before[channel][i] + self.direct[i][channel] + self.indirect[i][channel]
-        };
-        [way(0), way(1)]
     }
 }
 
@@ -669,9 +437,9 @@ impl Solver for Stochastic {
                 self.refinements += 1;
                 self.refine_direct();
             }
-            Phase::Repeat => {
+            Phase::Gather => {
                 self.refinements += 1;
-                self.repeat();
+                self.gather();
             }
             Phase::Done => {}
         }
@@ -724,6 +492,25 @@ fn mean(mesh: &PatchMesh, values: &[f32]) -> f32 {
         areas += area;
     }
     to_f32(sum / areas.max(f64::MIN_POSITIVE))
+}
+
+/// What leaves the elements, shot or not, `[channel][element]`.
+fn outgoing(solution: &Solution) -> Vec<f32> {
+    let reflectance = solution.mesh().reflectance();
+    let mut radiosity = all_channels(solution, Solution::irradiance);
+    let exitance = all_channels(solution, Solution::exitance);
+    let elements = reflectance.len();
+    for (i, (value, emitted)) in radiosity.iter_mut().zip(exitance).enumerate() {
+        *value = emitted + *value * reflectance[i % elements][i / elements % BANDS];
+    }
+    radiosity
+}
+
+/// Flux of all channels, whatever its signs.
+fn magnitude(mesh: &PatchMesh, radiosity: &[f32]) -> f64 {
+    let elements = mesh.elements().len();
+    let flux = |(i, b): (usize, &f32)| f64::from(b.abs() * mesh.exposed_area(i % elements));
+    radiosity.iter().enumerate().map(flux).sum()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]

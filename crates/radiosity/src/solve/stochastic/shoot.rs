@@ -8,7 +8,8 @@ use super::receivers::Receivers;
 use super::source::Source;
 use super::tally::Tally;
 use crate::patch::PatchMesh;
-use crate::sampling::{cosine_direction, hash, point4};
+use crate::sampling::{cosine_direction, hash};
+use crate::sobol::Sobol4;
 use crate::solution::BANDS;
 use hemicube_raster::Rgb;
 use rayon::prelude::*;
@@ -34,6 +35,23 @@ pub(super) struct Arrived {
     pub(super) escaped: Vec<f64>,
     /// Rays that were cast.
     pub(super) rays: u64,
+}
+
+impl Arrived {
+    /// Adds what constant radiosities, by channel, bring to receivers of such areas where nothing is lost.
+    pub(super) fn add_constants(&mut self, areas: &[f64], constants: &[f32]) {
+        let total: f64 = constants.iter().map(|&c| f64::from(c)).sum();
+        for (channel, &constant) in constants.iter().enumerate() {
+            let received = self.received[channel * areas.len()..].iter_mut().zip(areas);
+            received.for_each(|(flux, area)| *flux += f64::from(constant) * area);
+        }
+        for replicate in 0..REPLICATES {
+            let received = self.replicates[replicate * areas.len()..]
+                .iter_mut()
+                .zip(areas);
+            received.for_each(|(flux, area)| *flux += total * area);
+        }
+    }
 }
 
 /// Casts rays, and goes on with the sequences of the patches from step to step.
@@ -181,11 +199,12 @@ impl Shooter {
         let receivers = self.areas.len();
         let visibility = mesh.visibility();
         let seed = hash(hash(self.seed, job.patch as u64), job.replicate as u64);
+        let sequence = Sobol4::new(seed);
         let mut carried = vec![0.0; channels];
         let mut total = vec![0.0; channels];
         let mut ray = job.rays.start;
         while ray != job.rays.end {
-            let [u, v, s, t] = point4(ray, seed);
+            let [s, t, u, v] = sequence.point(ray);
             ray = ray.wrapping_add(1);
             let choice = job.source.choose(u);
             let e = choice.element;

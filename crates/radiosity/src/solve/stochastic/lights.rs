@@ -1,0 +1,352 @@
+//! A tree over the emitters (Walter and others 2005; Conty Estevez and Kulla 2018): many lights at the cost of few.
+//!
+//! A node knows where its emitters are, in which directions they shine and how much, so it bounds what they bring to a
+//! place. A receiver gets a *cut*: nodes that hold all emitters, split where they bring most. A ray that has chosen a
+//! node of the cut goes down to one emitter by the bounds of the children at its own end.
+
+use glam::Vec3;
+use std::collections::BinaryHeap;
+
+/// Nodes of a cut, if none must be split further.
+const CUT: usize = 48;
+
+/// What the tree is built over.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lamp {
+    pub(super) centroid: Vec3,
+    pub(super) normal: Vec3,
+    pub(super) radius: f32,
+    /// Summed over channels.
+    pub(super) flux: f32,
+}
+
+/// A place that is lit, a disc or a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub(super) centroid: Vec3,
+    pub(super) normal: Vec3,
+    pub(super) radius: f32,
+}
+
+/// The tree.
+pub(super) struct Lights {
+    /// Children follow each other; the root is the last.
+    nodes: Vec<Node>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    centre: Vec3,
+    radius: f32,
+    /// Mean direction of the normals, and cosine and sine of the largest angle from it.
+    axis: Vec3,
+    spread: [f32; 2],
+    flux: f32,
+    /// Largest radius of a lamp.
+    lamp_radius: f32,
+    below: Below,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Below {
+    Lamp(u32),
+    /// Position of the first of two.
+    Nodes(u32),
+}
+
+/// A node of a cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Part {
+    node: u32,
+    /// What it brings at most, about.
+    pub(super) bound: f32,
+}
+
+impl Lights {
+    pub(super) fn new(lamps: &[Lamp]) -> Self {
+        let mut order: Vec<u32> = (0..crate::index32(lamps.len())).collect();
+        let mut nodes = Vec::new();
+        if !lamps.is_empty() {
+            let root = build(lamps, &mut order, &mut nodes);
+            nodes.push(root);
+        }
+        Self { nodes }
+    }
+
+    /// Nodes that hold all lamps that may light a place, without those for which `is_left_out` holds: they are taken
+    /// otherwise. Lamps nearer than `near` times both radii are in nodes of their own.
+    pub(super) fn cut(
+        &self,
+        place: &Place,
+        near: f32,
+        is_left_out: impl Fn(usize) -> bool,
+    ) -> Vec<Part> {
+        let mut cut = Vec::new();
+        // Bounds are positive: their bits are in their order.
+        let mut open = BinaryHeap::new();
+        let enter = |open: &mut BinaryHeap<(u32, u32)>, index: usize| {
+            let bound = self.nodes[index].bound(place);
+            if bound > 0.0 {
+                open.push((bound.to_bits(), crate::index32(index)));
+            }
+        };
+        if let Some(root) = self.nodes.len().checked_sub(1) {
+            enter(&mut open, root);
+        }
+        while let Some((bits, index)) = open.pop() {
+            let node = &self.nodes[index as usize];
+            let part = Part {
+                node: index,
+                bound: f32::from_bits(bits),
+            };
+            match node.below {
+                Below::Lamp(lamp) => {
+                    if !is_left_out(lamp as usize) {
+                        cut.push(part);
+                    }
+                }
+                Below::Nodes(first) => {
+                    let is_full = cut.len() + open.len() + 1 >= CUT;
+                    if is_full && !node.may_be_near(place, near) {
+                        cut.push(part);
+                    } else {
+                        enter(&mut open, first as usize);
+                        enter(&mut open, first as usize + 1);
+                    }
+                }
+            }
+        }
+        cut
+    }
+
+    /// Calls `visit` for each lamp that may be nearer to a place than `near` times both radii.
+    pub(super) fn visit_near(&self, place: &Place, near: f32, mut visit: impl FnMut(usize)) {
+        let mut open: Vec<usize> = self.nodes.len().checked_sub(1).into_iter().collect();
+        while let Some(index) = open.pop() {
+            let node = &self.nodes[index];
+            if !node.may_be_near(place, near) {
+                continue;
+            }
+            match node.below {
+                Below::Lamp(lamp) => visit(lamp as usize),
+                Below::Nodes(first) => open.extend([first as usize + 1, first as usize]),
+            }
+        }
+    }
+
+    /// A lamp below a part of a cut, by what lamps bring to a place, for a number in [0, 1), with its probability and
+    /// what is left of the number. None if none brings anything.
+    pub(super) fn choose(
+        &self,
+        part: &Part,
+        place: &Place,
+        mut sample: f32,
+    ) -> Option<(usize, f32, f32)> {
+        let mut node = &self.nodes[part.node as usize];
+        let mut probability = 1.0;
+        loop {
+            let first = match node.below {
+                Below::Lamp(lamp) => return Some((lamp as usize, probability, sample)),
+                Below::Nodes(first) => first as usize,
+            };
+            let children = [&self.nodes[first], &self.nodes[first + 1]];
+            let [a, b] = children.map(|child| child.bound(place));
+            if a + b <= 0.0 {
+                return None;
+            }
+            let share = a / (a + b);
+            if sample < share {
+                (node, probability) = (children[0], probability * share);
+                sample /= share;
+            } else {
+                (node, probability) = (children[1], probability * (1.0 - share));
+                sample = (sample - share) / (1.0 - share);
+            }
+            sample = sample.clamp(0.0, 0.999_999_94);
+        }
+    }
+}
+
+impl Node {
+    /// What its lamps bring at most, about: their flux, the largest cosines, the mean distance.
+    fn bound(&self, place: &Place) -> f32 {
+        let offset = place.centroid - self.centre;
+        let squared = offset.length_squared();
+        let reach = self.radius + place.radius;
+        if squared <= reach * reach {
+            return self.flux / (reach * reach).max(f32::MIN_POSITIVE);
+        }
+        let inverse = 1.0 / squared.sqrt();
+        let direction = offset * inverse;
+        let sine = reach * inverse;
+        let around = [(1.0 - sine * sine).max(0.0).sqrt(), sine];
+        let leaving = within(direction.dot(self.axis), self.spread);
+        let leaving = within(leaving, around);
+        let arriving = within(-direction.dot(place.normal), around);
+        if leaving <= 0.0 || arriving <= 0.0 {
+            return 0.0;
+        }
+        self.flux * leaving * arriving / squared
+    }
+
+    /// Whether one of its lamps may be nearer than `near` times both radii.
+    fn may_be_near(&self, place: &Place, near: f32) -> bool {
+        let reach = near * (self.lamp_radius + place.radius) + self.radius;
+        self.centre.distance_squared(place.centroid) < reach * reach
+    }
+
+    fn of_lamp(index: u32, lamp: &Lamp) -> Self {
+        Self {
+            centre: lamp.centroid,
+            radius: lamp.radius,
+            axis: lamp.normal,
+            spread: [1.0, 0.0],
+            flux: lamp.flux,
+            lamp_radius: lamp.radius,
+            below: Below::Lamp(index),
+        }
+    }
+
+    fn over(lamps: &[Lamp], members: &[u32], first: u32) -> Self {
+        let members = || members.iter().map(|&i| &lamps[i as usize]);
+        let nothing = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let (low, high) = members().fold(nothing, |(low, high), lamp| {
+            (low.min(lamp.centroid), high.max(lamp.centroid))
+        });
+        let centre = 0.5 * (low + high);
+        let reaches = members().map(|lamp| lamp.centroid.distance(centre) + lamp.radius);
+        let axis = members().map(|lamp| lamp.normal * lamp.flux).sum::<Vec3>();
+        let axis = axis.normalize_or(Vec3::Y);
+        // A little wider than the normals are, for rounding.
+        let cosine = members().map(|lamp| lamp.normal.dot(axis) - 1e-5);
+        let cosine = cosine.fold(1.0, f32::min).max(-1.0);
+        Self {
+            centre,
+            radius: reaches.fold(0.0, f32::max),
+            axis,
+            spread: [cosine, (1.0 - cosine * cosine).max(0.0).sqrt()],
+            flux: members().map(|lamp| lamp.flux).sum(),
+            lamp_radius: members().map(|lamp| lamp.radius).fold(0.0, f32::max),
+            below: Below::Nodes(first),
+        }
+    }
+}
+
+/// Builds what is below a node, and the node.
+fn build(lamps: &[Lamp], members: &mut [u32], nodes: &mut Vec<Node>) -> Node {
+    if let [lamp] = *members {
+        return Node::of_lamp(lamp, &lamps[lamp as usize]);
+    }
+    let centroids = || members.iter().map(|&i| lamps[i as usize].centroid);
+    let low = centroids().fold(Vec3::INFINITY, Vec3::min);
+    let high = centroids().fold(Vec3::NEG_INFINITY, Vec3::max);
+    let axis = (high - low).max_position();
+    members.sort_unstable_by(|&a, &b| {
+        let along = |i: u32| lamps[i as usize].centroid[axis];
+        along(a).total_cmp(&along(b)).then(a.cmp(&b))
+    });
+    let (left, right) = members.split_at_mut(members.len() / 2);
+    let children = [build(lamps, left, nodes), build(lamps, right, nodes)];
+    let first = crate::index32(nodes.len());
+    nodes.extend(children);
+    Node::over(lamps, members, first)
+}
+
+/// Cosine of what an angle is at least, if it may be less by another one that is given by cosine and sine.
+fn within(cosine: f32, [other_cosine, other_sine]: [f32; 2]) -> f32 {
+    if cosine >= other_cosine {
+        return 1.0;
+    }
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    cosine * other_cosine + sine * other_sine
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::hash;
+
+    fn unit(seed: u64, i: u64) -> f32 {
+        (hash(seed, i) >> 40) as f32 / (1 << 24) as f32
+    }
+
+    fn point(seed: u64) -> Vec3 {
+        Vec3::new(unit(seed, 1), unit(seed, 2), unit(seed, 3)) * 10.0
+    }
+
+    fn lamps(count: u64) -> Vec<Lamp> {
+        let lamp = |i: u64| Lamp {
+            centroid: point(i),
+            normal: (point(i + 9999) - Vec3::splat(5.0)).normalize_or(Vec3::Y),
+            radius: 0.01 + 0.1 * unit(i, 7),
+            flux: 0.1 + unit(i, 8),
+        };
+        (0..count).map(lamp).collect()
+    }
+
+    fn place(i: u64) -> Place {
+        Place {
+            centroid: point(i + 5555),
+            normal: (point(i + 7777) - Vec3::splat(5.0)).normalize_or(Vec3::X),
+            radius: 0.0,
+        }
+    }
+
+    #[test]
+    fn every_lamp_that_lights_a_place_can_be_chosen_as_often_as_it_is_told() {
+        let lamps = lamps(300);
+        let tree = Lights::new(&lamps);
+        for i in 0..20 {
+            let place = place(i);
+            let cut = tree.cut(&place, 0.0, |_| false);
+            let mut found = vec![0.0_f64; lamps.len()];
+            let mut told = vec![0.0_f64; lamps.len()];
+            const SAMPLES: u16 = 20_000;
+            for part in &cut {
+                for sample in 0..SAMPLES {
+                    let sample = (f32::from(sample) + 0.5) / f32::from(SAMPLES);
+                    if let Some((lamp, probability, rest)) = tree.choose(part, &place, sample) {
+                        assert!((0.0..1.0).contains(&rest), "{rest} is left");
+                        found[lamp] += 1.0 / f64::from(SAMPLES);
+                        told[lamp] = f64::from(probability);
+                    }
+                }
+            }
+            for (lamp, (found, told)) in found.iter().zip(&told).enumerate() {
+                assert!((found - told).abs() < 2e-3, "{lamp}: {found} for {told}");
+                let offset = place.centroid - lamps[lamp].centroid;
+                let lights = offset.dot(lamps[lamp].normal) > 0.1 * offset.length()
+                    && -offset.dot(place.normal) > 0.1 * offset.length();
+                assert!(!lights || *told > 0.0, "{lamp} lights and is left out");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_near_is_found_and_left_out() {
+        let lamps = lamps(300);
+        let tree = Lights::new(&lamps);
+        for i in 0..50 {
+            let place = Place {
+                radius: 0.3,
+                ..place(i)
+            };
+            let is_near = |lamp: usize| {
+                let reach = 2.0 * (lamps[lamp].radius + place.radius);
+                lamps[lamp].centroid.distance(place.centroid) < reach
+            };
+            let mut found = Vec::new();
+            tree.visit_near(&place, 2.0, |lamp| found.push(lamp));
+            for lamp in (0..lamps.len()).filter(|&lamp| is_near(lamp)) {
+                assert!(found.contains(&lamp), "{lamp} is near");
+            }
+            for part in tree.cut(&place, 2.0, is_near) {
+                for sample in 0..50_u8 {
+                    let chosen = tree.choose(&part, &place, f32::from(sample) / 50.0);
+                    let is_left_out = chosen.is_none_or(|(lamp, ..)| !is_near(lamp));
+                    assert!(is_left_out, "a near lamp is in the cut");
+                }
+            }
+        }
+    }
+}
