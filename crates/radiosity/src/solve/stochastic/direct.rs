@@ -3,10 +3,11 @@
 //! Direct light has sharp shadows and comes from few places, so it is worth rays of its own at every element; what is
 //! reflected is smooth and comes from everywhere. The emitters of a ray are chosen from a cut of a [tree](super::lights)
 //! in proportion to a bound of what they bring unoccluded (Shirley, Wang, Zimmerman 1996), and to the root of the share
-//! of earlier rays that found them: of all probabilities that know visibility as a share only, those make the variance
-//! least. Emitters that nearly touch a patch are taken by exact factors times what rays see of them, because the kernel
+//! of earlier rays of the patch and its [cell](super::cells) that found them: of all probabilities that know visibility
+//! as a share only, those make the variance least. Emitters that nearly touch a patch are taken by exact factors times what rays see of them, because the kernel
 //! of point and point grows beyond all bounds there.
 
+use super::cells::{Cell, Cells, Tries};
 use super::lights::{Lamp, Lights, Part, Place};
 use super::shoot::REPLICATES;
 use super::source::Source;
@@ -20,8 +21,12 @@ use core::f64::consts::PI;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Shadow rays of an element in one round of one replicate; a power of two.
+/// Shadow rays of an element in one round of one replicate, powers of two: in the first round, which finds out what is
+/// in the way, and in the others.
+const FIRST_RAYS: u32 = 4;
 const RAYS: u32 = 16;
+/// Rays of a cell for which its share counts in that of a patch.
+const TRUST: f32 = 2.0;
 /// Emitters nearer than so many radii of both are taken by exact factors.
 const NEAR: f32 = 2.0;
 /// Rays over the hemisphere, of which pairs take their share.
@@ -35,7 +40,8 @@ pub(super) struct Direct {
     channels: usize,
     emitters: Vec<Emitter>,
     lights: Lights,
-    /// What rays of each patch have found at the parts of its cut.
+    cells: Cells,
+    /// What rays of each patch have found at the parts of its cell's cut.
     found: Vec<Vec<Found>>,
     seed: u64,
     raycast: RayCast,
@@ -83,6 +89,12 @@ impl Direct {
             .filter_map(|patch| Emitter::new(&mesh, patch, &exitance, channels))
             .collect();
         let lamps: Vec<Lamp> = emitters.iter().map(Emitter::lamp).collect();
+        let lights = Lights::new(&lamps);
+        let places: Vec<Place> = mesh
+            .patches()
+            .par_iter()
+            .map(|&id| place_of(&mesh, id))
+            .collect();
         let options = RayCastOptions {
             rays: PAIR_RAYS,
             seed,
@@ -91,7 +103,8 @@ impl Direct {
         Self {
             raycast: RayCast::new(mesh.clone(), options),
             found: vec![Vec::new(); mesh.patches().len()],
-            lights: Lights::new(&lamps),
+            cells: Cells::new(&places, &lights, NEAR),
+            lights,
             mesh,
             exitance,
             channels,
@@ -131,7 +144,22 @@ impl Direct {
             (found, rays)
         });
         self.found = found;
+        self.sum_up();
         brought
+    }
+
+    /// Tells the cells what their patches have found.
+    fn sum_up(&mut self) {
+        let found = &self.found;
+        self.cells.cells.par_iter_mut().for_each(|cell| {
+            cell.tries = vec![Tries::default(); cell.cut.len()];
+            for &patch in &cell.patches {
+                for (sum, found) in cell.tries.iter_mut().zip(&found[patch as usize]) {
+                    sum.rays += u32::from(found.rays);
+                    sum.lit += u32::from(found.lit);
+                }
+            }
+        });
     }
 
     /// Does something for each patch with what is known of it and the slots of its elements; it returns what is known
@@ -210,15 +238,11 @@ impl Direct {
             return 0;
         }
         let receiver = place_of(&self.mesh, self.mesh.patches()[patch]);
-        let cut = self.lights.cut(&receiver, NEAR, |i| {
-            let emitter = &self.emitters[i];
-            emitter.patch == patch || emitter.is_near(&receiver)
-        });
-        if cut.is_empty() {
+        let cell = self.cells.of(patch);
+        found.resize(cell.cut.len(), Found::default());
+        let Some(chances) = self.chances(patch, &receiver, cell, found) else {
             return 0;
-        }
-        found.resize(cut.len(), Found::default());
-        let chances = Chances::new(cut, found);
+        };
         let mut sums = vec![0.0; self.channels];
         let mut rays = 0;
         for (slot, e) in slots.iter_mut().zip(elements) {
@@ -233,9 +257,33 @@ impl Direct {
             for (out, sum) in slot.irradiance.iter_mut().zip(&sums) {
                 *out = super::to_f32(sum / REPLICATES as f64);
             }
-            rays += u64::from(RAYS) * REPLICATES as u64;
+            rays += u64::from(rays_of_round(rounds)) * REPLICATES as u64;
         }
         rays
+    }
+
+    /// Where the rays of a patch go; none if no emitter lights it, but those that nearly touch.
+    fn chances(
+        &self,
+        patch: usize,
+        receiver: &Place,
+        cell: &Cell,
+        found: &[Found],
+    ) -> Option<Chances> {
+        let is_taken_otherwise = |emitter: usize| {
+            let emitter = &self.emitters[emitter];
+            emitter.patch == patch || emitter.is_near(receiver)
+        };
+        let mut chances = Chances::default();
+        for (slot, &part) in cell.cut.iter().enumerate() {
+            let bound = self.lights.bound(part, receiver);
+            if bound <= 0.0 || self.lights.lamp(part).is_some_and(is_taken_otherwise) {
+                continue;
+            }
+            let in_cell = cell.tries.get(slot).map_or(0.5, |tries| tries.share());
+            chances.push(slot, part, bound * found[slot].share(in_cell).sqrt());
+        }
+        (!chances.parts.is_empty()).then_some(chances)
     }
 
     /// Adds what the rays of a replicate in a round bring.
@@ -255,21 +303,18 @@ impl Direct {
         let normal = self.mesh.node(self.mesh.elements()[e]).normal;
         let seed = hash(hash(self.seed, e as u64), replicate as u64);
         let (towards, from) = (Sobol4::new(seed), Sobol4::new(hash(seed, 2)));
-        for ray in 0..RAYS {
+        let rays = rays_of_round(round);
+        for ray in 0..rays {
             let index = round.wrapping_mul(RAYS).wrapping_add(ray);
             let [wanted, u, v, _] = towards.point(index);
             let [s, t, ..] = from.point(index);
             let (slot, part, probability, rest) = chances.choose(wanted);
-            let to = Place {
-                centroid: exposed.point([s, t]),
-                normal,
-                radius: 0.0,
-            };
+            let to = Place::point(exposed.point([s, t]), normal);
             let is_lit =
                 self.lights
                     .choose(part, &to, rest)
                     .is_some_and(|(emitter, of_part, _)| {
-                        let scale = 1.0 / (f64::from(probability * of_part) * f64::from(RAYS));
+                        let scale = 1.0 / (f64::from(probability * of_part) * f64::from(rays));
                         self.cast(&self.emitters[emitter], &to, [u, v], scale, sums)
                     });
             found[slot].count(is_lit);
@@ -312,27 +357,22 @@ impl Direct {
 }
 
 /// Which parts of a cut rays go to, by running sums.
+#[derive(Default)]
 struct Chances {
-    cut: Vec<Part>,
+    /// With their positions in the cut.
+    parts: Vec<(usize, Part)>,
     sums: Vec<f32>,
 }
 
 impl Chances {
-    fn new(cut: Vec<Part>, found: &[Found]) -> Self {
-        let mut sum = 0.0;
-        let pairs = cut.iter().zip(found);
-        let sums = pairs.map(|(part, found)| {
-            sum += part.bound * found.share().sqrt();
-            sum
-        });
-        Self {
-            sums: sums.collect(),
-            cut,
-        }
+    fn push(&mut self, slot: usize, part: Part, chance: f32) {
+        let sum = self.sums.last().copied().unwrap_or(0.0);
+        self.parts.push((slot, part));
+        self.sums.push(sum + chance);
     }
 
     /// Position, part, probability, and what is left of a number in [0, 1).
-    fn choose(&self, sample: f32) -> (usize, &Part, f32, f32) {
+    fn choose(&self, sample: f32) -> (usize, Part, f32, f32) {
         let total = self.sums[self.sums.len() - 1];
         let wanted = sample * total;
         let index = self.sums.partition_point(|&sum| sum <= wanted);
@@ -344,7 +384,20 @@ impl Chances {
         };
         let share = self.sums[index] - start;
         let rest = ((wanted - start) / share).clamp(0.0, 0.999_999_94);
-        (index, &self.cut[index], share / total, rest)
+        let (slot, part) = self.parts[index];
+        (slot, part, share / total, rest)
+    }
+}
+
+/// Rays of an element in a round of a replicate.
+fn rays_of_round(round: u32) -> u32 {
+    if round == 0 { FIRST_RAYS } else { RAYS }
+}
+
+impl Tries {
+    /// Share of rays that bring light, between none and all as long as little is known.
+    fn share(self) -> f32 {
+        (self.lit as f32 + 0.25) / (self.rays as f32 + 0.5)
     }
 }
 
@@ -358,9 +411,9 @@ impl Found {
         self.lit += u8::from(is_lit);
     }
 
-    /// Share of rays that bring light, between none and all as long as little is known.
-    fn share(self) -> f32 {
-        (f32::from(self.lit) + 0.25) / (f32::from(self.rays) + 0.5)
+    /// Share of rays that bring light, that of the cell as long as little is known.
+    fn share(self, in_cell: f32) -> f32 {
+        (f32::from(self.lit) + TRUST * in_cell) / (f32::from(self.rays) + TRUST)
     }
 }
 
@@ -410,9 +463,5 @@ fn place_of(mesh: &PatchMesh, id: NodeId) -> Place {
     let node = mesh.node(id);
     let corners = mesh.polygon(id);
     let distances = corners.iter().map(|c| c.distance(node.centroid));
-    Place {
-        centroid: node.centroid,
-        normal: node.normal,
-        radius: distances.fold(0.0, f32::max),
-    }
+    Place::disc(node.centroid, node.normal, distances.fold(0.0, f32::max))
 }

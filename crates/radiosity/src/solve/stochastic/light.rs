@@ -4,7 +4,7 @@ use super::direct::Brought;
 use super::gather::Gathered;
 use super::shoot::{Arrived, REPLICATES};
 
-/// Weight of the first round of direct light.
+/// Weight of the first round of direct light, as many rays as it has.
 const WEIGHT_OF_FIRST: f32 = 0.25;
 
 /// Direct light of the elements, as the sum over rounds of rays.
@@ -80,7 +80,7 @@ impl DirectLight {
     }
 }
 
-/// The first round is cast without knowing what is in the way, so it is worth less.
+/// The first round has fewer rays.
 fn weight_of_round(round: u32) -> f32 {
     if round == 0 { WEIGHT_OF_FIRST } else { 1.0 }
 }

@@ -1,14 +1,14 @@
 //! A tree over the emitters (Walter and others 2005; Conty Estevez and Kulla 2018): many lights at the cost of few.
 //!
 //! A node knows where its emitters are, in which directions they shine and how much, so it bounds what they bring to a
-//! place. A receiver gets a *cut*: nodes that hold all emitters, split where they bring most. A ray that has chosen a
+//! place. A receiver gets a *cut*: nodes that hold all emitters, split where they bring much and appear large. A ray that has chosen a
 //! node of the cut goes down to one emitter by the bounds of the children at its own end.
 
 use glam::Vec3;
 use std::collections::BinaryHeap;
 
 /// Nodes of a cut, if none must be split further.
-const CUT: usize = 48;
+const CUT: usize = 64;
 
 /// What the tree is built over.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +26,54 @@ pub(super) struct Place {
     pub(super) centroid: Vec3,
     pub(super) normal: Vec3,
     pub(super) radius: f32,
+    /// Cosine and sine of the largest angle between its normals and the mean one.
+    spread: [f32; 2],
+}
+
+impl Place {
+    /// A point.
+    pub(super) fn point(centroid: Vec3, normal: Vec3) -> Self {
+        Self::disc(centroid, normal, 0.0)
+    }
+
+    /// What is flat and within a radius.
+    pub(super) fn disc(centroid: Vec3, normal: Vec3, radius: f32) -> Self {
+        Self {
+            centroid,
+            normal,
+            radius,
+            spread: [1.0, 0.0],
+        }
+    }
+
+    /// What holds several places.
+    pub(super) fn around<'a>(places: impl Iterator<Item = &'a Self> + Clone) -> Self {
+        let nothing = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let (low, high) = places.clone().fold(nothing, |(low, high), place| {
+            (low.min(place.centroid), high.max(place.centroid))
+        });
+        let centroid = 0.5 * (low + high);
+        let reaches = places
+            .clone()
+            .map(|p| p.centroid.distance(centroid) + p.radius);
+        let (normal, spread) = cone(places.map(|place| (place.normal, 1.0)));
+        Self {
+            centroid,
+            normal,
+            radius: reaches.fold(0.0, f32::max),
+            spread,
+        }
+    }
+}
+
+/// Mean direction of weighted unit vectors, with cosine and sine of the largest angle from it.
+fn cone(vectors: impl Iterator<Item = (Vec3, f32)> + Clone) -> (Vec3, [f32; 2]) {
+    let axis = vectors.clone().map(|(v, weight)| v * weight).sum::<Vec3>();
+    let axis = axis.normalize_or(Vec3::Y);
+    // A little wider than they are, for rounding.
+    let cosine = vectors.map(|(v, _)| v.dot(axis) - 1e-5).fold(1.0, f32::min);
+    let cosine = cosine.max(-1.0);
+    (axis, [cosine, (1.0 - cosine * cosine).max(0.0).sqrt()])
 }
 
 /// The tree.
@@ -55,12 +103,8 @@ enum Below {
 }
 
 /// A node of a cut.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Part {
-    node: u32,
-    /// What it brings at most, about.
-    pub(super) bound: f32,
-}
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Part(u32);
 
 impl Lights {
     pub(super) fn new(lamps: &[Lamp]) -> Self {
@@ -73,50 +117,47 @@ impl Lights {
         Self { nodes }
     }
 
-    /// Nodes that hold all lamps that may light a place, without those for which `is_left_out` holds: they are taken
-    /// otherwise. Lamps nearer than `near` times both radii are in nodes of their own.
-    pub(super) fn cut(
-        &self,
-        place: &Place,
-        near: f32,
-        is_left_out: impl Fn(usize) -> bool,
-    ) -> Vec<Part> {
+    /// Nodes that hold all lamps that may light a place. Lamps nearer than `near` times both radii are in nodes of their
+    /// own.
+    pub(super) fn cut(&self, place: &Place, near: f32) -> Vec<Part> {
         let mut cut = Vec::new();
-        // Bounds are positive: their bits are in their order.
+        // Positive numbers: their bits are in their order.
         let mut open = BinaryHeap::new();
         let enter = |open: &mut BinaryHeap<(u32, u32)>, index: usize| {
-            let bound = self.nodes[index].bound(place);
-            if bound > 0.0 {
-                open.push((bound.to_bits(), crate::index32(index)));
+            let node = &self.nodes[index];
+            let doubt = node.bound(place) * node.angle(place);
+            if doubt > 0.0 {
+                open.push((doubt.to_bits(), crate::index32(index)));
             }
         };
         if let Some(root) = self.nodes.len().checked_sub(1) {
             enter(&mut open, root);
         }
-        while let Some((bits, index)) = open.pop() {
+        while let Some((_, index)) = open.pop() {
             let node = &self.nodes[index as usize];
-            let part = Part {
-                node: index,
-                bound: f32::from_bits(bits),
-            };
+            let is_full = cut.len() + open.len() + 1 >= CUT;
             match node.below {
-                Below::Lamp(lamp) => {
-                    if !is_left_out(lamp as usize) {
-                        cut.push(part);
-                    }
+                Below::Nodes(first) if !is_full || node.may_be_near(place, near) => {
+                    enter(&mut open, first as usize);
+                    enter(&mut open, first as usize + 1);
                 }
-                Below::Nodes(first) => {
-                    let is_full = cut.len() + open.len() + 1 >= CUT;
-                    if is_full && !node.may_be_near(place, near) {
-                        cut.push(part);
-                    } else {
-                        enter(&mut open, first as usize);
-                        enter(&mut open, first as usize + 1);
-                    }
-                }
+                _ => cut.push(Part(index)),
             }
         }
         cut
+    }
+
+    /// What a part of a cut brings to a place at most, about.
+    pub(super) fn bound(&self, part: Part, place: &Place) -> f32 {
+        self.nodes[part.0 as usize].bound(place)
+    }
+
+    /// The lamp of a part that has but one.
+    pub(super) fn lamp(&self, part: Part) -> Option<usize> {
+        match self.nodes[part.0 as usize].below {
+            Below::Lamp(lamp) => Some(lamp as usize),
+            Below::Nodes(_) => None,
+        }
     }
 
     /// Calls `visit` for each lamp that may be nearer to a place than `near` times both radii.
@@ -138,11 +179,11 @@ impl Lights {
     /// what is left of the number. None if none brings anything.
     pub(super) fn choose(
         &self,
-        part: &Part,
+        part: Part,
         place: &Place,
         mut sample: f32,
     ) -> Option<(usize, f32, f32)> {
-        let mut node = &self.nodes[part.node as usize];
+        let mut node = &self.nodes[part.0 as usize];
         let mut probability = 1.0;
         loop {
             let first = match node.below {
@@ -182,11 +223,20 @@ impl Node {
         let around = [(1.0 - sine * sine).max(0.0).sqrt(), sine];
         let leaving = within(direction.dot(self.axis), self.spread);
         let leaving = within(leaving, around);
-        let arriving = within(-direction.dot(place.normal), around);
+        let arriving = within(-direction.dot(place.normal), place.spread);
+        let arriving = within(arriving, around);
         if leaving <= 0.0 || arriving <= 0.0 {
             return 0.0;
         }
         self.flux * leaving * arriving / squared
+    }
+
+    /// Sine of the angle under which it and a place appear to each other: what is in the way of some of it may leave the
+    /// rest visible the more, the larger it appears.
+    fn angle(&self, place: &Place) -> f32 {
+        let distance = place.centroid.distance(self.centre);
+        let reach = self.radius + place.radius;
+        reach.max(f32::MIN_POSITIVE) / distance.max(reach).max(f32::MIN_POSITIVE)
     }
 
     /// Whether one of its lamps may be nearer than `near` times both radii.
@@ -208,23 +258,19 @@ impl Node {
     }
 
     fn over(lamps: &[Lamp], members: &[u32], first: u32) -> Self {
-        let members = || members.iter().map(|&i| &lamps[i as usize]);
+        let members = || members.iter().map(|&i: &u32| &lamps[i as usize]);
         let nothing = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let (low, high) = members().fold(nothing, |(low, high), lamp| {
             (low.min(lamp.centroid), high.max(lamp.centroid))
         });
         let centre = 0.5 * (low + high);
         let reaches = members().map(|lamp| lamp.centroid.distance(centre) + lamp.radius);
-        let axis = members().map(|lamp| lamp.normal * lamp.flux).sum::<Vec3>();
-        let axis = axis.normalize_or(Vec3::Y);
-        // A little wider than the normals are, for rounding.
-        let cosine = members().map(|lamp| lamp.normal.dot(axis) - 1e-5);
-        let cosine = cosine.fold(1.0, f32::min).max(-1.0);
+        let (axis, spread) = cone(members().map(|lamp| (lamp.normal, lamp.flux)));
         Self {
             centre,
             radius: reaches.fold(0.0, f32::max),
             axis,
-            spread: [cosine, (1.0 - cosine * cosine).max(0.0).sqrt()],
+            spread,
             flux: members().map(|lamp| lamp.flux).sum(),
             lamp_radius: members().map(|lamp| lamp.radius).fold(0.0, f32::max),
             below: Below::Nodes(first),
@@ -285,11 +331,8 @@ mod tests {
     }
 
     fn place(i: u64) -> Place {
-        Place {
-            centroid: point(i + 5555),
-            normal: (point(i + 7777) - Vec3::splat(5.0)).normalize_or(Vec3::X),
-            radius: 0.0,
-        }
+        let normal = (point(i + 7777) - Vec3::splat(5.0)).normalize_or(Vec3::X);
+        Place::point(point(i + 5555), normal)
     }
 
     #[test]
@@ -298,11 +341,11 @@ mod tests {
         let tree = Lights::new(&lamps);
         for i in 0..20 {
             let place = place(i);
-            let cut = tree.cut(&place, 0.0, |_| false);
+            let cut = tree.cut(&place, 0.0);
             let mut found = vec![0.0_f64; lamps.len()];
             let mut told = vec![0.0_f64; lamps.len()];
             const SAMPLES: u16 = 20_000;
-            for part in &cut {
+            for &part in &cut {
                 for sample in 0..SAMPLES {
                     let sample = (f32::from(sample) + 0.5) / f32::from(SAMPLES);
                     if let Some((lamp, probability, rest)) = tree.choose(part, &place, sample) {
@@ -323,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_near_is_found_and_left_out() {
+    fn what_is_near_is_found_and_in_parts_of_its_own() {
         let lamps = lamps(300);
         let tree = Lights::new(&lamps);
         for i in 0..50 {
@@ -340,11 +383,12 @@ mod tests {
             for lamp in (0..lamps.len()).filter(|&lamp| is_near(lamp)) {
                 assert!(found.contains(&lamp), "{lamp} is near");
             }
-            for part in tree.cut(&place, 2.0, is_near) {
+            for part in tree.cut(&place, 2.0) {
                 for sample in 0..50_u8 {
-                    let chosen = tree.choose(&part, &place, f32::from(sample) / 50.0);
-                    let is_left_out = chosen.is_none_or(|(lamp, ..)| !is_near(lamp));
-                    assert!(is_left_out, "a near lamp is in the cut");
+                    let chosen = tree.choose(part, &place, f32::from(sample) / 50.0);
+                    let is_alone =
+                        chosen.is_none_or(|(lamp, ..)| !is_near(lamp)) || tree.lamp(part).is_some();
+                    assert!(is_alone, "a near lamp is among others");
                 }
             }
         }

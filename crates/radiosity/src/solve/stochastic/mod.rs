@@ -17,6 +17,7 @@
 //! scene as the depth of its hierarchy of boxes does beyond the number of receivers.
 
 mod balance;
+mod cells;
 mod direct;
 mod gather;
 mod interpolate;
@@ -74,8 +75,6 @@ impl Default for StochasticOptions {
 
 /// Most steps that refine, if the noise does not come down.
 const MOST_REFINEMENTS: u32 = 4096;
-/// Elements are uncertain whose relative error is above this share of its root mean square.
-const HALF: f64 = 0.5;
 /// Unshot share of which most is the rounding of numbers.
 const ROUNDING: f64 = 1e-6;
 /// Share of the rays by which a receiver gathers that is shot for it while light is spread.
@@ -244,7 +243,7 @@ impl Stochastic {
         self.solution.groups().len() * BANDS
     }
 
-    /// The first round of direct light.
+    /// The first two rounds of direct light.
     fn begin_direct(&mut self) {
         let start = Instant::now();
         let near = self.direct.near();
@@ -255,23 +254,17 @@ impl Stochastic {
         let shot = self.shot.iter_mut().zip(self.direct.exitance());
         shot.for_each(|(shot, emitted)| *shot += emitted);
         self.add_direct_round(|_| true);
+        self.add_direct_round(|_| true);
         self.stages.direct.time += start.elapsed();
         self.update();
         self.phase = Phase::Spread;
     }
 
-    /// One more round of direct light for the elements of which it is uncertain.
+    /// One more round of direct light where it takes most off the noise.
     fn refine_direct(&mut self) {
         let start = Instant::now();
-        let doubt = HALF * self.noises[0];
-        let is_uncertain: Vec<bool> = (0..self.mesh().elements().len())
-            .into_par_iter()
-            .map(|e| {
-                let irradiance = self.total_irradiance(e);
-                irradiance > 0.0 && self.direct_light.variance(e).sqrt() >= doubt * irradiance
-            })
-            .collect();
-        self.add_direct_round(|e| is_uncertain[e]);
+        let doubts = self.direct_doubts();
+        self.add_direct_round(|e| doubts.is_worth_it(e));
         self.stages.direct.time += start.elapsed();
         self.update();
         self.phase = self.next_phase();
@@ -347,15 +340,12 @@ impl Stochastic {
         self.phase = self.next_phase();
     }
 
-    /// Receivers one of whose elements is uncertain because of reflected light.
+    /// Receivers one of whose elements is worth another round.
     fn uncertain_receivers(&self) -> Vec<bool> {
-        let doubt = HALF * self.noises[1];
         let mut is_uncertain = vec![!self.reflected.has_gathered(); self.reflected.areas.len()];
-        for e in 0..self.mesh().elements().len() {
-            let irradiance = self.total_irradiance(e);
-            if irradiance > 0.0 && self.reflected_variance(e).sqrt() >= doubt * irradiance {
-                is_uncertain[self.receivers.of_element(self.mesh(), e)] = true;
-            }
+        let doubts = self.reflected_doubts();
+        for e in (0..self.mesh().elements().len()).filter(|&e| doubts.is_worth_it(e)) {
+            is_uncertain[self.receivers.of_element(self.mesh(), e)] = true;
         }
         is_uncertain
     }

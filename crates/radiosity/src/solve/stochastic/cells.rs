@@ -1,0 +1,130 @@
+//! Groups of patches near each other that look the same way: what hides a lamp from one mostly hides it from the others.
+//!
+//! All patches of a cell share a cut of the tree of lamps, so what rays found from each of them can be summed up, and
+//! a patch that knows little takes the word of its cell.
+
+use super::lights::{Lights, Part, Place};
+use glam::{UVec3, Vec3};
+use rayon::prelude::*;
+
+/// Most patches of a cell.
+const PATCHES: usize = 16;
+
+/// Rays to a part of a cut, and those that brought light.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Tries {
+    pub(super) rays: u32,
+    pub(super) lit: u32,
+}
+
+/// A group of patches.
+pub(super) struct Cell {
+    pub(super) patches: Vec<u32>,
+    pub(super) cut: Vec<Part>,
+    /// Of all its patches, for each part of the cut; empty as long as nothing is known.
+    pub(super) tries: Vec<Tries>,
+}
+
+/// All groups.
+pub(super) struct Cells {
+    pub(super) cells: Vec<Cell>,
+    /// Of each patch.
+    of_patch: Vec<u32>,
+}
+
+impl Cells {
+    /// Groups of patches by where they are; none if there are no lamps.
+    pub(super) fn new(places: &[Place], lights: &Lights, near: f32) -> Self {
+        let groups = groups(places);
+        let mut of_patch = vec![0; places.len()];
+        for (cell, patches) in groups.iter().enumerate() {
+            for &patch in patches {
+                of_patch[patch as usize] = crate::index32(cell);
+            }
+        }
+        let cells = groups.into_par_iter().map(|patches| {
+            let around = Place::around(patches.iter().map(|&patch| &places[patch as usize]));
+            Cell {
+                cut: lights.cut(&around, near),
+                patches,
+                tries: Vec::new(),
+            }
+        });
+        Self {
+            cells: cells.collect(),
+            of_patch,
+        }
+    }
+
+    /// The cell of a patch.
+    pub(super) fn of(&self, patch: usize) -> &Cell {
+        &self.cells[self.of_patch[patch] as usize]
+    }
+}
+
+/// Patches that face the same of six ways, in the order of a space-filling curve, cut to pieces.
+fn groups(places: &[Place]) -> Vec<Vec<u32>> {
+    let nothing = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    let (low, high) = places.iter().fold(nothing, |(low, high), place| {
+        (low.min(place.centroid), high.max(place.centroid))
+    });
+    let size = (high - low).max_element().max(f32::MIN_POSITIVE);
+    let mut order: Vec<(u32, u32, u32)> = places
+        .iter()
+        .enumerate()
+        .map(|(patch, place)| {
+            let along = (place.centroid - low) / size;
+            (way(place.normal), morton(along), crate::index32(patch))
+        })
+        .collect();
+    order.par_sort_unstable();
+    order
+        .chunk_by(|a, b| a.0 == b.0)
+        .flat_map(|same_way| same_way.chunks(PATCHES))
+        .map(|group| group.iter().map(|&(.., patch)| patch).collect())
+        .collect()
+}
+
+/// Which side of a cube a direction goes through.
+fn way(normal: Vec3) -> u32 {
+    let axis = normal.abs().max_position();
+    2 * crate::index32(axis) + u32::from(normal[axis] < 0.0)
+}
+
+/// Position along Morton's curve of a point in the unit cube.
+fn morton(point: Vec3) -> u32 {
+    let cells = (point * 1023.0).as_uvec3().min(UVec3::splat(1023));
+    let spread = |x: u32| (0..10).fold(0, |code, bit| code | (x >> bit & 1) << (3 * bit));
+    spread(cells.x) | spread(cells.y) << 1 | spread(cells.z) << 2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_that_look_the_same_way_share_a_cell() {
+        let place = |i: u16| {
+            Place::point(
+                Vec3::new(f32::from(i % 40), 0.0, f32::from(i / 40)),
+                if i % 2 == 0 { Vec3::Y } else { Vec3::X },
+            )
+        };
+        let places: Vec<Place> = (0..1600).map(place).collect();
+        let cells = Cells::new(&places, &Lights::new(&[]), 2.0);
+        let mut seen = vec![0; places.len()];
+        for cell in &cells.cells {
+            assert!(cell.patches.len() <= PATCHES, "{}", cell.patches.len());
+            for &patch in &cell.patches {
+                let (first, place) = (&places[cell.patches[0] as usize], &places[patch as usize]);
+                assert_eq!(first.normal, place.normal, "they look the same way");
+                assert!(
+                    first.centroid.distance(place.centroid) < 15.0,
+                    "they are near"
+                );
+                seen[patch as usize] += 1;
+            }
+        }
+        assert!(seen.iter().all(|&n| n == 1), "each is in one cell");
+    }
+}
