@@ -182,10 +182,24 @@ impl Stochastic {
         );
     }
 
-    pub(super) fn loses_nothing(&self) -> bool {
-        let lost = self.lost.direct.iter().chain(&self.lost.reflected);
-        let tints = self.mesh().transmittance().iter().any(|t| !t.is_black());
-        !tints && lost.flatten().all(|&flux| flux == 0.0)
+    /// Whether nothing is lost of a radiosity that is the same everywhere; rays find out once.
+    pub(super) fn is_closed(&mut self) -> bool {
+        if let Some(is_closed) = self.is_closed {
+            return is_closed;
+        }
+        let mesh = self.mesh().clone();
+        let is_tinted = mesh.transmittance().iter().any(|t| !t.is_black());
+        let is_closed = !is_tinted && {
+            let mut prober = Shooter::new(&mesh, self.receivers, hash(self.options.seed, 5));
+            let probe = prober.shoot(&mesh, &vec![1.0; mesh.elements().len()], PROBING_RAYS);
+            self.stages.spreading.rays += probe.rays;
+            [probe.backs, probe.escaped]
+                .iter()
+                .flatten()
+                .all(|&flux| flux == 0.0)
+        };
+        self.is_closed = Some(is_closed);
+        is_closed
     }
 
     /// Irradiance, what of it is unshot, and where the light went.

@@ -4,8 +4,8 @@
 //!
 //! 1. *Direct* light, which has the sharp shadows: shadow rays from every element to the emitters.
 //! 2. *Spreading*: each step shoots all that is unshot, by as many rays as it is worth, until little is left. Where no
-//!    ray has ever been lost, a constant radiosity needs no rays, as what leaves at it arrives at it: it is subtracted
-//!    from what is shot and added to what arrives (a control variate).
+//!    ray is lost, from whatever surface, a constant radiosity needs no rays, as what leaves at it arrives at it: it is
+//!    subtracted from what is shot and added to what arrives (a control variate).
 //! 3. *Refining* what makes most of the noise, where it is: by more shadow rays, or by rays that gather reflected light
 //!    at uncertain receivers. All estimates of a receiver are averaged, so that every ray counts.
 //!
@@ -79,6 +79,8 @@ const MOST_REFINEMENTS: u32 = 4096;
 const ROUNDING: f64 = 1e-6;
 /// Share of the rays by which a receiver gathers that is shot for it while light is spread.
 const SPREADING: f64 = 0.25;
+/// Least rays that spread all light: they also tell how much is lost.
+const LEAST_RAYS: f64 = (1_u32 << 18) as f64;
 
 /// What the next step does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,6 +129,8 @@ pub struct Stochastic {
     /// Radiosity that has been shot, `[channel][element]`.
     shot: Vec<f32>,
     lost: Lost,
+    /// Whether nothing of what leaves any surface is lost, once it is known.
+    is_closed: Option<bool>,
     stages: Stages,
     refinements: u32,
     /// Whether all its light is of this solver, so that it can be refined.
@@ -181,6 +185,7 @@ impl Stochastic {
             direct_light: DirectLight::new(elements, channels),
             reflected: Reflected::new(areas, channels, gatherer.rays_of_round()),
             lost: Lost::new(&solution),
+            is_closed: None,
             stages: Stages::default(),
             refinements: 0,
             is_new,
@@ -284,7 +289,7 @@ impl Stochastic {
         let start = Instant::now();
         let unshot = all_channels(&self.solution, Solution::unshot);
         let share = self.solution.unshot_fraction().min(1.0);
-        let rays = SPREADING * self.rays_of_step() * share;
+        let rays = (SPREADING * self.rays_of_step()).max(LEAST_RAYS) * share;
         let arrived = self.shoot(&unshot, rays);
         self.stages.spreading.rays += arrived.rays;
         let pairs = self.shot.iter_mut().zip(&unshot);
@@ -301,7 +306,7 @@ impl Stochastic {
     /// Shoots a radiosity; a constant part of it without rays, where nothing is lost.
     fn shoot(&mut self, radiosity: &[f32], rays: f64) -> Arrived {
         let mesh = self.mesh().clone();
-        if !self.loses_nothing() {
+        if !self.is_closed() {
             return self.shooter.shoot(&mesh, radiosity, whole(rays));
         }
         let elements = mesh.elements().len();
