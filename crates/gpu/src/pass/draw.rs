@@ -91,9 +91,6 @@ impl Walkthrough {
         view.exposure = exposure_of(options);
         self.surfaces.tell(&mut view);
         TextureFiltering::tell(&mut view);
-        if options.interpolation == Interpolation::Flat {
-            view.flags |= twins::VIEW_FLAT;
-        }
         Ok(view)
     }
 
@@ -126,7 +123,7 @@ impl Walkthrough {
         let bindings = self.surfaces.bind(context, passes, picture.view);
         let behind = self.behind(options) * exposure_of(options);
         let mut pass = begin(encoder, frame, Vec4::new(behind.r, behind.g, behind.b, 1.0));
-        pass.set_bind_group(0, &bindings, &[]);
+        pass.set_bind_group(0, &bindings, &[0]);
         let scale = picture.samples.scale();
         let field = match &options.style {
             Style::Lit => None,
@@ -135,9 +132,14 @@ impl Walkthrough {
             }
             Style::Plain(color) => Some(Field::Plain(*color)),
         };
+        let is_flat = options.interpolation == Interpolation::Flat;
         if let Some(field) = field {
             let bound = passes.falsecolour.bindings(context, field);
-            pass.set_pipeline(&passes.falsecolour.pipeline(context, field, frame.pixels));
+            pass.set_pipeline(
+                &passes
+                    .falsecolour
+                    .pipeline(context, field, is_flat, frame.pixels),
+            );
             pass.set_bind_group(1, &bound, &[]);
             self.surfaces.draw_solid(&mut pass);
         } else {
@@ -146,10 +148,11 @@ impl Walkthrough {
                 filtering: options.filtering,
                 bumps: options.bumps,
                 reflections: options.reflections,
+                flat: is_flat,
                 without: picture.without,
             };
             self.surfaces
-                .draw_solid_lit(context, passes, &mut pass, how);
+                .draw_solid_lit(context, passes, &mut pass, &bindings, how);
             if let Some(map) = &self.surroundings {
                 let around = &mut passes.surroundings;
                 let seen = (picture.aspect, picture.samples.window(), &picture.view);
@@ -157,17 +160,17 @@ impl Walkthrough {
                 pass.set_pipeline(&around.pipeline(context, frame.pixels));
                 pass.set_bind_group(0, &bound, &[]);
                 pass.draw(0..3, 0..1);
-                pass.set_bind_group(0, &bindings, &[]);
             }
             let camera = picture.camera;
             self.surfaces
-                .draw_layers(context, passes, &mut pass, how, camera);
+                .draw_layers(context, passes, &mut pass, &bindings, how, camera);
         }
         if let Some(lines) = options.lines {
             let line = passes
                 .overlay
                 .bindings(context, lines, picture.tones, scale);
             pass.set_pipeline(&passes.overlay.pipeline(context, frame.pixels));
+            pass.set_bind_group(0, &bindings, &[0]);
             pass.set_bind_group(1, &line, &[]);
             self.surfaces.geometry.draw_edges(&mut pass);
         }

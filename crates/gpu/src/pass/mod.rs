@@ -71,6 +71,7 @@ mod target;
 mod textured;
 mod textures;
 mod tonemap;
+mod variant;
 mod view;
 mod walkthrough;
 

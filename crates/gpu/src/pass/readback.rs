@@ -153,7 +153,7 @@ impl Walkthrough {
             let mut pass = begin(&mut encoder, &frame, Vec4::ZERO);
             pass.set_pipeline(&passes.pick.pipeline(&self.context));
             let bindings = self.surfaces.bind(&self.context, &passes, view);
-            pass.set_bind_group(0, &bindings, &[]);
+            pass.set_bind_group(0, &bindings, &[0]);
             self.surfaces.set_buffers(&mut pass);
             pass.draw_indexed(0..self.surfaces.index_count(), 0, 0..1);
         }
