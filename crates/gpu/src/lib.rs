@@ -8,9 +8,6 @@
 //! [`pass`] draws pictures of solutions: lit surfaces with textures, bumps, mirrors, antialiasing and tones, from light that
 //! may stay on the device.
 //!
-//! [`pass`] draws pictures of solutions: lit surfaces with textures, bumps, mirrors, antialiasing and tones, from light that
-//! may stay on the device.
-//!
 //! # Memory and limits
 //! A million elements take about 230 MiB; [`hemicube_shaders::memory`] computes it, `hemicube info` prints it. No binding may
 //! be larger than the adapter says. At 128 MiB, the least that WebGPU promises:
