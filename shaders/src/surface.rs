@@ -145,7 +145,10 @@ pub struct Material {
 
 /// Bytes from one material to the next: a multiple of what every adapter allows as the offset of a uniform.
 pub const MATERIAL_STRIDE: u32 = 256;
-const _: () = assert!(size_of::<Material>() == MATERIAL_STRIDE as usize);
+const _: () = assert!(
+    size_of::<Material>() == MATERIAL_STRIDE as usize,
+    "materials lie where offsets may point"
+);
 
 /// Alpha means nothing.
 pub const ALPHA_OPAQUE: u32 = 0;
