@@ -78,10 +78,8 @@ pub struct View {
     pub padding_1: u32,
 }
 
-/// The element's own light instead of that between vertices.
-pub const VIEW_FLAT: u32 = 1;
 /// Metals reflect like everything else.
-pub const VIEW_METALS_DIFFUSE: u32 = 2;
+pub const VIEW_METALS_DIFFUSE: u32 = 1;
 
 /// By the sampler.
 pub const MAGNIFY_SAMPLER: u32 = 0;
@@ -102,8 +100,8 @@ pub struct Slot {
     pub offset: [f32; 2],
     /// `SLOT_*` bits.
     pub flags: u32,
-    /// Unused.
-    pub padding: u32,
+    /// Texels of the picture across, and down in the upper 16 bits.
+    pub size: u32,
 }
 
 /// It uses the second set of coordinates.
@@ -137,22 +135,27 @@ pub struct Material {
     pub transmission: f32,
     /// Smallest alpha that is still surface.
     pub cutoff: f32,
-    /// `MATERIAL_*` bits.
-    pub flags: u32,
-    /// Width and height of the relief's picture in texels.
-    pub relief_size: [f32; 2],
     /// Factor of a normal map, or depth of heights.
     pub relief: f32,
     /// Unused.
-    pub padding: u32,
+    pub padding: [u32; 4],
     /// Base colour, metallic share, roughness, emission, transmission, relief.
     pub slots: [Slot; 6],
 }
 
+/// Bytes from one material to the next: a multiple of what every adapter allows as the offset of a uniform.
+pub const MATERIAL_STRIDE: u32 = 256;
+const _: () = assert!(
+    size_of::<Material>() == MATERIAL_STRIDE as usize,
+    "materials lie where offsets may point"
+);
+
+/// Alpha means nothing.
+pub const ALPHA_OPAQUE: u32 = 0;
 /// Alpha below the cutoff is a hole.
-pub const MATERIAL_MASK: u32 = 1;
+pub const ALPHA_MASK: u32 = 1;
 /// Alpha is coverage.
-pub const MATERIAL_BLEND: u32 = 2;
+pub const ALPHA_BLEND: u32 = 2;
 /// Number of the base colour's slot.
 pub const SLOT_BASE: u32 = 0;
 /// Of the metallic share's.
@@ -176,16 +179,14 @@ pub struct SurfaceVertex {
     pub element: u32,
     /// Of the side that is seen.
     pub normal: [f32; 3],
-    /// Number of the material.
-    pub material: u32,
+    /// `CORNER_*` bits.
+    pub corner: u32,
     /// Both sets.
     pub texcoords: [[f32; 2]; 2],
     /// The scene's vertex colour.
     pub color: [f32; 4],
     /// Along u, and the sign of the bitangent.
     pub tangent: [f32; 4],
-    /// `CORNER_*` bits.
-    pub corner: u32,
 }
 
 /// Two bits: which corner of its triangle a vertex is that no other triangle uses.

@@ -85,9 +85,9 @@ struct Mirroring {
     transmittance: vec3<f32>,
 }
 
-fn mirroring_at(surface: Surface, in: Fragment, material: Material, footprint: Footprint) -> Mirroring {
+fn mirroring_at(surface: Surface, in: Fragment, footprint: Footprint) -> Mirroring {
     let flat_side = flat_normal(in);
-    let bumped = bumped_at(material, in, footprint, flat_side);
+    let bumped = bumped_at(in, footprint, flat_side);
     let to_eye = towards_eye(in.world);
     let normal = facing(bumped.normal, to_eye);
     // Slopes too small to be seen one by one make a surface rougher.
@@ -109,10 +109,9 @@ fn mirroring_at(surface: Surface, in: Fragment, material: Material, footprint: F
 
 fn mirroring(in: Fragment, is_hole: ptr<function, bool>) -> Mirroring {
     let footprint = footprint_of(in);
-    let material = materials[in.material];
-    let surface = surface_at(material, in, texels_at(material, footprint));
+    let surface = surface_at(in, texels_at(footprint));
     *is_hole = surface.is_hole;
-    return mirroring_at(surface, in, material, footprint);
+    return mirroring_at(surface, in, footprint);
 }
 
 @fragment

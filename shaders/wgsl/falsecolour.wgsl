@@ -61,7 +61,7 @@ fn falsecolour(in: Fragment) -> @location(0) vec4<f32> {
     let change = length(vec2(dpdx(between), dpdy(between)));
     let value = dot(solved_light(in), field.weights.rgb);
     var color = table_color(value);
-    if (view.flags & VIEW_FLAT) == 0u {
+    if !FLAT {
         color = mix(color, field.line_color.rgb, line_coverage(value, change));
     }
     return vec4(color, 1.0);

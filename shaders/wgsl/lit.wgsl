@@ -4,14 +4,14 @@
 // Of what hides, and of what lets light through, where it is added.
 @fragment
 fn own(in: Fragment) -> @location(0) vec4<f32> {
-    let surface = surface_at(materials[in.material], in, NO_TEXELS);
+    let surface = surface_at(in, NO_TEXELS);
     return exposed(own_radiance(surface, in));
 }
 
 // Of what has holes. Stages that may discard look at depth late, so only masks have this one.
 @fragment
 fn masked(in: Fragment) -> @location(0) vec4<f32> {
-    let surface = surface_at(materials[in.material], in, NO_TEXELS);
+    let surface = surface_at(in, NO_TEXELS);
     if surface.is_hole {
         discard;
     }
@@ -21,7 +21,7 @@ fn masked(in: Fragment) -> @location(0) vec4<f32> {
 // What is behind is multiplied by this first.
 @fragment
 fn through(in: Fragment) -> @location(0) vec4<f32> {
-    return vec4(surface_at(materials[in.material], in, NO_TEXELS).transmittance, 1.0);
+    return vec4(surface_at(in, NO_TEXELS).transmittance, 1.0);
 }
 
 fn own_radiance(surface: Surface, in: Fragment) -> vec3<f32> {

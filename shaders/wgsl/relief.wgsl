@@ -50,7 +50,7 @@ fn signed(code: f32) -> f32 {
 }
 
 // The mean of the normals under the footprint, in the texture's space.
-fn normal_of_texel(material: Material, footprint: Footprint) -> vec3<f32> {
+fn normal_of_texel(footprint: Footprint) -> vec3<f32> {
     let texel = read_slot(relief_texture, relief_sampler, material.slots[SLOT_RELIEF], footprint);
     return vec3(signed(texel.x) * material.relief, signed(texel.y) * material.relief, texel.z * 2.0 - 1.0);
 }
@@ -63,11 +63,11 @@ fn height_at(slot: Slot, footprint: Footprint, offset: vec2<f32>) -> f32 {
 }
 
 // The normal of `(-dh/dx, -dh/dy, 1)`, by central differences over a texel or the footprint, whichever is larger.
-fn normal_of_heights(material: Material, footprint: Footprint) -> vec3<f32> {
+fn normal_of_heights(footprint: Footprint) -> vec3<f32> {
     let slot = material.slots[SLOT_RELIEF];
     let ddx = turned(slot, of_set(slot, footprint.dx));
     let ddy = turned(slot, of_set(slot, footprint.dy));
-    let half = 0.5 * max(max(abs(ddx), abs(ddy)), 1.0 / material.relief_size);
+    let half = 0.5 * max(max(abs(ddx), abs(ddy)), 1.0 / texels_of(slot));
     if !(max(half.x, half.y) < 1e30) {
         return vec3(0.0, 0.0, 1.0);
     }
@@ -84,15 +84,15 @@ fn gradient_of(m: vec3<f32>, along: vec3<f32>, bitangent: vec3<f32>) -> vec3<f32
     return select(vec3(0.0), (along * m.x + bitangent * m.y) / -z, z > 0.0);
 }
 
-fn bumped_at(material: Material, in: Fragment, footprint: Footprint, flat_side: vec3<f32>) -> Bumped {
+fn bumped_at(in: Fragment, footprint: Footprint, flat_side: vec3<f32>) -> Bumped {
     if RELIEF == RELIEF_NONE {
         return Bumped(flat_side, 0.0);
     }
     var m: vec3<f32>;
     if RELIEF == RELIEF_NORMALS {
-        m = normal_of_texel(material, footprint);
+        m = normal_of_texel(footprint);
     } else {
-        m = normal_of_heights(material, footprint);
+        m = normal_of_heights(footprint);
     }
     let side = select(1.0, -1.0, (in.corner & CORNER_TURNED) != 0u);
     let bitangent = cross(flat_side * side, in.tangent) * in.sign;
@@ -165,7 +165,7 @@ fn tilted_light(in: Fragment, flat_side: vec3<f32>, bumped: vec3<f32>) -> vec3<f
     var sum = vec3(0.0);
     for (var i = 0u; i < 3u; i++) {
         var solved = vertex_light[in.first + i].rgb;
-        if (view.flags & VIEW_FLAT) != 0u {
+        if FLAT {
             solved = element_light[in.element].rgb;
         }
         sum += solved * tilt_factor(corners[i], tilt) * in.barycentric[i];

@@ -25,10 +25,8 @@ struct View {
     padding_1: u32,
 }
 
-// The element's own light instead of that between vertices.
-const VIEW_FLAT: u32 = 1u;
 // Metals reflect like everything else.
-const VIEW_METALS_DIFFUSE: u32 = 2u;
+const VIEW_METALS_DIFFUSE: u32 = 1u;
 
 // Where a texture of a material is read.
 struct Slot {
@@ -38,7 +36,8 @@ struct Slot {
     offset: vec2<f32>,
     // SLOT_* bits.
     flags: u32,
-    padding: u32,
+    // Texels of the picture across, and down in the upper 16 bits.
+    size: u32,
 }
 
 // The second set of coordinates,
@@ -62,18 +61,29 @@ struct Material {
     transmission: f32,
     // Smallest alpha that is still surface.
     cutoff: f32,
-    // MATERIAL_* bits.
-    flags: u32,
-    // Width and height of the relief's picture in texels.
-    relief_size: vec2<f32>,
     // Factor of a normal map, or depth of heights.
     relief: f32,
-    padding: u32,
+    padding: vec4<u32>,
     slots: array<Slot, 6>,
 }
 
-const MATERIAL_MASK: u32 = 1u;
-const MATERIAL_BLEND: u32 = 2u;
+// What shaders of a run are made for: what it does not have costs nothing, and software adapters execute both sides of
+// every branch.
+
+// What alpha means, ALPHA_*.
+override ALPHA: u32 = 0u;
+// Whether the material emits.
+override EMITS: bool = true;
+// Whether vertices have colours.
+override COLORS: bool = true;
+// The element's own light instead of that between vertices.
+override FLAT: bool = false;
+
+const ALPHA_OPAQUE: u32 = 0u;
+// Below the cutoff it is a hole.
+const ALPHA_MASK: u32 = 1u;
+// It is coverage.
+const ALPHA_BLEND: u32 = 2u;
 
 const SLOT_BASE: u32 = 0u;
 const SLOT_METALLIC: u32 = 1u;
@@ -87,7 +97,8 @@ const PI: f32 = 3.14159265;
 const BRIGHTEST: f32 = 65504.0;
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read> materials: array<Material>;
+// That of the run which is drawn.
+@group(0) @binding(1) var<uniform> material: Material;
 // Irradiance of each element, from all groups as dimmed.
 @group(0) @binding(2) var<storage, read> element_light: array<vec4<f32>>;
 // What dimming makes of each element's emission.
@@ -98,15 +109,14 @@ struct Vertex {
     // Of the triangles that begin with this vertex.
     @location(1) element: u32,
     @location(2) normal: vec3<f32>,
-    @location(3) material: u32,
+    // CORNER_* bits.
+    @location(3) corner: u32,
     @location(4) texcoords: vec4<f32>,
     @location(5) color: vec4<f32>,
     // Along u, and the sign of the bitangent.
     @location(6) tangent: vec4<f32>,
-    // CORNER_* bits.
-    @location(7) corner: u32,
     // Irradiance.
-    @location(8) light: vec4<f32>,
+    @location(7) light: vec4<f32>,
 }
 
 // Two bits: which corner of its triangle a vertex is that no other triangle uses.
@@ -124,11 +134,10 @@ struct Fragment {
     @location(5) tangent: vec3<f32>,
     @location(6) barycentric: vec3<f32>,
     @location(7) @interpolate(flat) element: u32,
-    @location(8) @interpolate(flat) material: u32,
     // First vertex of a triangle that has vertices of its own, its bitangent's sign, and CORNER_TURNED.
-    @location(9) @interpolate(flat) first: u32,
-    @location(10) @interpolate(flat) sign: f32,
-    @location(11) @interpolate(flat) corner: u32,
+    @location(8) @interpolate(flat) first: u32,
+    @location(9) @interpolate(flat) sign: f32,
+    @location(10) @interpolate(flat) corner: u32,
 }
 
 @vertex
@@ -144,7 +153,6 @@ fn vertex(in: Vertex, @builtin(vertex_index) index: u32) -> Fragment {
     let number = in.corner & CORNER_NUMBER;
     out.barycentric = vec3(f32(number == 0u), f32(number == 1u), f32(number == 2u));
     out.element = in.element;
-    out.material = in.material;
     out.first = index - number;
     out.sign = in.tangent.w;
     out.corner = in.corner;
@@ -153,7 +161,7 @@ fn vertex(in: Vertex, @builtin(vertex_index) index: u32) -> Fragment {
 
 // Irradiance of the flat surface.
 fn solved_light(in: Fragment) -> vec3<f32> {
-    if (view.flags & VIEW_FLAT) != 0u {
+    if FLAT {
         return element_light[in.element].rgb;
     }
     // Samples beside the triangle's middle lie outside of it, where light goes on below 0.
@@ -185,16 +193,19 @@ struct Surface {
     is_hole: bool,
 }
 
-fn surface_at(material: Material, in: Fragment, texels: Texels) -> Surface {
+fn surface_at(in: Fragment, texels: Texels) -> Surface {
     var surface: Surface;
-    surface.coverage = 1.0;
-    let has_alpha = (material.flags & (MATERIAL_MASK | MATERIAL_BLEND)) != 0u;
-    if has_alpha {
-        let alpha = saturate(material.alpha * texels.base.a * in.color.a);
-        surface.is_hole = (material.flags & MATERIAL_MASK) != 0u && alpha < material.cutoff;
-        surface.coverage = select(1.0, alpha, (material.flags & MATERIAL_BLEND) != 0u);
+    var color = vec4(1.0);
+    if COLORS {
+        color = in.color;
     }
-    surface.tint = saturate(material.base_color * texels.base.rgb * in.color.rgb);
+    surface.coverage = 1.0;
+    if ALPHA != ALPHA_OPAQUE {
+        let alpha = saturate(material.alpha * texels.base.a * color.a);
+        surface.is_hole = ALPHA == ALPHA_MASK && alpha < material.cutoff;
+        surface.coverage = select(1.0, alpha, ALPHA == ALPHA_BLEND);
+    }
+    surface.tint = saturate(material.base_color * texels.base.rgb * color.rgb);
     let lowered = min(surface.tint, vec3(view.max_reflectance));
     surface.metallic = saturate(material.metallic * texels.metallic);
     surface.roughness = saturate(material.roughness * texels.roughness);
@@ -203,9 +214,8 @@ fn surface_at(material: Material, in: Fragment, texels: Texels) -> Surface {
     let diffuse = select(1.0 - surface.metallic, 1.0, is_diffuse) - transmission;
     surface.reflectance = lowered * (surface.coverage * diffuse);
     surface.transmittance = vec3(1.0 - surface.coverage) + surface.tint * (surface.coverage * transmission);
-    surface.emission = material.emission * texels.emission * surface.coverage;
-    if any(material.emission > vec3(0.0)) {
-        surface.emission *= element_dims[in.element].rgb;
+    if EMITS {
+        surface.emission = material.emission * texels.emission * surface.coverage * element_dims[in.element].rgb;
     }
     return surface;
 }

@@ -55,23 +55,23 @@ fn read_slot(picture: texture_2d<f32>, how: sampler, slot: Slot, footprint: Foot
 }
 
 // The base colour, not multiplied by alpha. Under a mask alpha is that of the finest level, as shadows have it.
-fn base_texel(material: Material, footprint: Footprint) -> vec4<f32> {
+fn base_texel(footprint: Footprint) -> vec4<f32> {
     let slot = material.slots[SLOT_BASE];
     var base = read_slot(base_texture, base_sampler, slot, footprint);
     if (slot.flags & SLOT_PREMULTIPLIED) == 0u {
         return base;
     }
     base = select(vec4(0.0), vec4(base.rgb / base.a, base.a), base.a > 0.0);
-    if (material.flags & MATERIAL_MASK) != 0u {
+    if ALPHA == ALPHA_MASK {
         base.a = bilinear(base_texture, 0, coordinates(slot, footprint), rules_of(slot)).a;
     }
     return base;
 }
 
-fn texels_at(material: Material, footprint: Footprint) -> Texels {
+fn texels_at(footprint: Footprint) -> Texels {
     var texels = NO_TEXELS;
     if has(SLOT_BASE) {
-        texels.base = base_texel(material, footprint);
+        texels.base = base_texel(footprint);
     }
     if has(SLOT_METALLIC) {
         let slot = material.slots[SLOT_METALLIC];

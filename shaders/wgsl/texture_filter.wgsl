@@ -13,8 +13,8 @@ const MAGNIFY_CATMULL_ROM: u32 = 1u;
 const MAGNIFY_B_SPLINE: u32 = 2u;
 const MAGNIFY_MITCHELL: u32 = 3u;
 
-// Squares of footprints from here on count as infinite.
-const LARGEST_SQUARE: f32 = 1e28;
+// Squares of footprints from here on count as infinite: fourth powers fit into floats.
+const LARGEST_SQUARE: f32 = 1e18;
 // Widest minor axis that an ellipse is read with, in texels.
 const WIDEST: f32 = 8.0;
 
@@ -48,6 +48,13 @@ fn axes_of(ddx: vec2<f32>, ddy: vec2<f32>) -> Axes {
     return Axes(direction * major * scale, vec2(-direction.y, direction.x) * minor * scale);
 }
 
+// The square of the longer axis alone, which is all that samplers need to know.
+fn longest_square(dx: vec2<f32>, dy: vec2<f32>) -> f32 {
+    let xx = dot(dx, dx);
+    let yy = dot(dy, dy);
+    return 0.5 * (xx + yy) + length(vec2(0.5 * (xx - yy), dot(dx, dy)));
+}
+
 // The texel that an index along an axis of so many reads.
 fn wrapped(index: i32, size: i32, rule: u32) -> i32 {
     switch rule {
@@ -74,6 +81,11 @@ fn reduced(u: f32, rule: u32) -> f32 {
         case 1u: { return u - 2.0 * floor(0.5 * u); }
         default: { return clamp(u, -8.0, 8.0); }
     }
+}
+
+// Texels of a slot's picture across and down.
+fn texels_of(slot: Slot) -> vec2<f32> {
+    return vec2(f32(slot.size & 0xffffu), f32(slot.size >> 16u));
 }
 
 struct Rules {
@@ -233,22 +245,22 @@ fn elliptical(picture: texture_2d<f32>, uv: vec2<f32>, rules: Rules, axes: Axes)
 // software adapters execute both sides of every branch.
 fn filtered(picture: texture_2d<f32>, how: sampler, slot: Slot, uv: vec2<f32>, ddx: vec2<f32>, ddy: vec2<f32>) -> vec4<f32> {
     let rules = rules_of(slot);
-    let size = vec2<f32>(textureDimensions(picture, 0));
+    let size = texels_of(slot);
     let dx = ddx * size;
     let dy = ddy * size;
-    let axes = axes_of(dx, dy);
     // What cannot be counted with reads the coarsest level.
     let is_countable = dot(dx, dx) + dot(dy, dy) < LARGEST_SQUARE;
-    let square = select(LARGEST_SQUARE, dot(axes.along, axes.along), is_countable);
+    let square = select(LARGEST_SQUARE, longest_square(dx, dy), is_countable);
     let is_close = square <= 1.0;
     let is_smooth = (slot.flags & SLOT_BLOCKS) == 0u;
     if MAGNIFY != MAGNIFY_SAMPLER && is_close && is_smooth {
         return bicubic(picture, uv, rules, MAGNIFY);
     }
     if EWA && !is_close && is_countable {
-        return elliptical(picture, uv, rules, axes);
+        return elliptical(picture, uv, rules, axes_of(dx, dy));
     }
     if ANISOTROPIC {
+        let axes = axes_of(dx, dy);
         let along = select(vec2(1e6, 0.0), axes.along, is_countable);
         let across = select(vec2(0.0, 1e6), axes.across, is_countable);
         return textureSampleGrad(picture, how, uv, along / size, across / size);

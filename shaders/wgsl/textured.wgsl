@@ -1,9 +1,7 @@
 // Lit surfaces with textures: base colour, metallic share, emission and transmission are multiplied by them.
 
 fn textured_surface(in: Fragment) -> Surface {
-    let footprint = footprint_of(in);
-    let material = materials[in.material];
-    return surface_at(material, in, texels_at(material, footprint));
+    return surface_at(in, texels_at(footprint_of(in)));
 }
 
 fn own_radiance(surface: Surface, in: Fragment) -> vec3<f32> {

@@ -8,9 +8,6 @@
 //! [`pass`] draws pictures of solutions: lit surfaces with textures, bumps, mirrors, antialiasing and tones, from light that
 //! may stay on the device.
 //!
-//! [`pass`] draws pictures of solutions: lit surfaces with textures, bumps, mirrors, antialiasing and tones, from light that
-//! may stay on the device.
-//!
 //! # Memory and limits
 //! A million elements take about 230 MiB; [`hemicube_shaders::memory`] computes it, `hemicube info` prints it. No binding may
 //! be larger than the adapter says. At 128 MiB, the least that WebGPU promises:
@@ -33,8 +30,9 @@
 //! # Current state
 //! Nothing here panics because of a device: what it cannot do is a [`GpuError`], and the CPU goes on when it is lost. What
 //! a solver that keeps its light on the device had not yet brought to the CPU is then lost, too. Where panes let light
-//! through, the CPU casts the rays. Ray queries of the hardware are not used: wgpu calls them an
-//! experiment that has to be asked for in unsafe code.
+//! through, the CPU casts the rays. Ray queries of the hardware are not used, though drivers have
+//! them (Mesa's lavapipe from 24.1 on): wgpu 30 calls them an experiment, and the only way to ask for it,
+//! `ExperimentalFeatures::enabled`, is unsafe code, which this workspace forbids.
 #![forbid(unsafe_code)]
 
 mod backend;

@@ -1,6 +1,7 @@
 //! Shooting on the device against shooting on the CPU.
 
 mod device;
+mod light;
 
 use device::context;
 use hemicube_gpu::GpuShooting;
@@ -9,6 +10,7 @@ use hemicube_radiosity::solve::shooting::{Order, Shooting};
 use hemicube_radiosity::stop::NEVER;
 use hemicube_radiosity::{SolveOptions, Solver, unlit};
 use hemicube_scene::builtin;
+use light::assert_alike;
 use std::sync::Arc;
 
 #[test]
@@ -35,21 +37,6 @@ fn light_is_that_of_the_cpu_and_none_is_lost() {
     let (a, b) = (cpu.progress(), gpu.progress());
     println!("{a:?} {b:?}");
     let (cpu, gpu) = (cpu.into_solution(), gpu.into_solution());
-    for band in 0..3 {
-        let error = gpu
-            .total_balance(band)
-            .relative_error(gpu.unshot_flux(band));
-        assert!(error < 1e-4, "band {band}: energy is off by {error:.1e}");
-    }
-    let mesh = cpu.mesh();
-    let (mut difference, mut sum) = (0.0, 0.0);
-    for e in 0..mesh.elements().len() {
-        let (x, y) = (cpu.element_irradiance(e).g, gpu.element_irradiance(e).g);
-        let area = f64::from(mesh.exposed_area(e));
-        difference += area * f64::from((x - y).abs());
-        sum += area * f64::from(x);
-    }
-    println!("irradiance differs by {:.2e}", difference / sum);
-    assert!(difference < 0.01 * sum, "{}", difference / sum);
+    assert_alike(&cpu, &gpu, 0.01);
     assert!((a.unshot - b.unshot).abs() < 0.01, "{a:?} {b:?}");
 }

@@ -16,6 +16,7 @@ use wgpu::{
 pub(super) const ITEMS: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// Format of their depth.
 pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
 /// Pipelines and layouts, made once.
 #[derive(Debug)]
 pub(crate) struct HemicubePass {
@@ -51,26 +52,13 @@ impl HemicubePass {
     pub(crate) fn new(context: &Context, peels: bool) -> Self {
         let device = &context.device;
         let (reads, writes) = (storage(true), storage(false));
-        let compute_layout =
-            |label, types: &[BindingType]| layout(device, label, ShaderStages::COMPUTE, types);
-        let place_layout = compute_layout(
-            "place hemicubes",
-            &[
-                uniform(false),
-                reads,
-                reads,
-                reads,
-                reads,
-                writes,
-                writes,
-                writes,
-            ],
-        );
-        let arrange_layout = compute_layout(
-            "arrange hemicubes",
-            &[uniform(false), reads, writes, writes, writes],
-        );
-        let sum_layout = compute_layout("sum hemicubes", &[uniform(false), items(), reads, writes]);
+        let params = uniform(false);
+        let of_compute = |label, types: &[BindingType]| compute_layout(device, label, types);
+        let place_types = [params, reads, reads, reads, reads, writes, writes, writes];
+        let place_layout = of_compute("place hemicubes", &place_types);
+        let arrange_types = [params, reads, writes, writes, writes];
+        let arrange_layout = of_compute("arrange hemicubes", &arrange_types);
+        let sum_layout = of_compute("sum hemicubes", &[params, items(), reads, writes]);
         let draw_layout = layout(
             device,
             "draw hemicubes",
@@ -301,23 +289,20 @@ impl Peeling {
             multisampled: false,
         };
         let through_layout = layout(device, "through", ShaderStages::FRAGMENT, &[reads]);
-        let compute_layout =
-            |label, types: &[BindingType]| layout(device, label, ShaderStages::COMPUTE, types);
-        let peel_layout = compute_layout(
-            "peel hemicubes",
-            &[
-                uniform(false),
-                items(),
-                depths,
-                reads,
-                writes,
-                writes,
-                reads,
-                writes,
-            ],
-        );
-        let layer_layout = compute_layout("layer", &[uniform(true)]);
-        let gate_layout = compute_layout("gate", &[writes]);
+        let params = uniform(false);
+        let peel_types = [
+            params,
+            items(),
+            depths,
+            reads,
+            writes,
+            writes,
+            reads,
+            writes,
+        ];
+        let peel_layout = compute_layout(device, "peel hemicubes", &peel_types);
+        let layer_layout = compute_layout(device, "layer", &[uniform(true)]);
+        let gate_layout = compute_layout(device, "gate", &[writes]);
         let shader = module(device, &twins::PEEL);
         Self {
             behind: draw_pipeline(device, draw, "behind", &[scene, view, &through_layout]),
@@ -367,6 +352,10 @@ impl Peeling {
         let [x, y] = segment_groups(geometry);
         pass.dispatch_workgroups(x, y, views);
     }
+}
+
+fn compute_layout(device: &wgpu::Device, label: &str, types: &[BindingType]) -> BindGroupLayout {
+    layout(device, label, ShaderStages::COMPUTE, types)
 }
 
 /// Item buffers as shaders read them.

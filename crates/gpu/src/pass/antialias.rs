@@ -5,7 +5,7 @@ use crate::context::Context;
 use crate::error::GpuError;
 use crate::hemicube::count;
 use crate::pass::lit::Pixels;
-use crate::pass::pipeline::{Blend, Depth, PipelineOptions, Pipelines, render};
+use crate::pass::pipeline::{Pipelines, for_every_pixel};
 use crate::pass::target::texture;
 use crate::pass::tonemap::{Tones, draw_screen, params};
 use crate::pass::view::Window;
@@ -47,6 +47,11 @@ impl Grid {
     pub(crate) fn samples(&self) -> [u32; 2] {
         let rows = self.sampler.rows(0..self.size[1] as usize).end;
         [count(self.sampler.columns()), count(rows)]
+    }
+
+    /// Weights of a pixel in each direction.
+    pub(crate) fn taps(&self) -> u32 {
+        count(self.sampler.weights().len())
     }
 
     /// Samples of a pixel in each direction.
@@ -151,22 +156,7 @@ impl FilterPass {
     ) -> RenderPipeline {
         let (device, layout) = (&context.device, &self.layout);
         self.pipelines.get(device, (fragment, format), |module| {
-            let options = PipelineOptions {
-                label: fragment,
-                module,
-                vertex: "screen",
-                fragment,
-                constants: &[],
-                layouts: &[layout],
-                buffers: &[],
-                is_strip: false,
-                culls: false,
-                depth: Depth::None,
-                blend: Blend::Replace,
-                format,
-                samples: 1,
-            };
-            render(device, &options)
+            for_every_pixel(device, module, fragment, layout, format)
         })
     }
 }

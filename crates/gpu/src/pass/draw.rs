@@ -9,6 +9,7 @@ use crate::pass::passes::Passes;
 use crate::pass::surfaces::How;
 use crate::pass::target::{Frame, Target};
 use crate::pass::textured::TextureFiltering;
+use crate::pass::tile::Tile;
 use crate::pass::tonemap::Tones;
 use crate::pass::view::{Window, view};
 use crate::pass::walkthrough::{Walkthrough, locked};
@@ -35,28 +36,31 @@ impl Walkthrough {
         camera: &Camera,
         options: &DrawOptions,
     ) -> Result<(), GpuError> {
-        self.draw_toned(encoder, target, camera, options, tones_of(options))
+        let tile = Tile::all(target.size);
+        self.draw_tile(encoder, target, tile, camera, options, tones_of(options))
     }
 
-    pub(super) fn draw_toned(
+    /// Draws a part of a picture over all of a target.
+    pub(super) fn draw_tile(
         &mut self,
         encoder: &mut CommandEncoder,
         target: Target<'_>,
+        tile: Tile,
         camera: &Camera,
         options: &DrawOptions,
         tones: Tones,
     ) -> Result<(), GpuError> {
         self.context.check()?;
-        let samples = Samples::new(target.size, options.smoothing)?;
-        let view = self.view(camera, target.size, &samples, options)?;
-        let at = self.frame(samples.size(target.size), samples.pixels())?;
+        let samples = Samples::new(tile, options.smoothing)?;
+        let view = self.view(camera, &samples, options)?;
+        let at = self.frame(samples.size(), samples.pixels())?;
         let passes = self.passes.clone();
         let mut passes = locked(&passes);
         self.surfaces.light.update(encoder, &passes.light);
         let picture = Picture {
             view,
             camera,
-            aspect: aspect_of(target.size),
+            aspect: aspect_of(tile.whole),
             samples: &samples,
             options,
             tones,
@@ -65,12 +69,12 @@ impl Walkthrough {
         self.draw_frame(encoder, &mut passes, at, &picture);
         let frame = &self.frames[at];
         let (context, to) = (&self.context, (target.view, target.format));
-        match &samples {
-            Samples::Grid(grid) => {
+        match &samples.kind {
+            Kind::Grid(grid) => {
                 let from = (&frame.color, grid);
                 passes.filter.draw(context, encoder, from, to, tones);
             }
-            Samples::OfPixel(count) => {
+            Kind::OfPixel(count) => {
                 let from = (&frame.color, *count);
                 passes.tones.draw(context, encoder, from, to, tones);
             }
@@ -82,18 +86,15 @@ impl Walkthrough {
     pub(super) fn view(
         &self,
         camera: &Camera,
-        size: [u32; 2],
         samples: &Samples,
         options: &DrawOptions,
     ) -> Result<twins::View, GpuError> {
         let (bounds, window) = (&self.surfaces.bounds, samples.window());
-        let mut view = view(camera, aspect_of(size), samples.size(size), bounds, window)?;
+        let aspect = aspect_of(samples.tile.whole);
+        let mut view = view(camera, aspect, samples.size(), bounds, window)?;
         view.exposure = exposure_of(options);
         self.surfaces.tell(&mut view);
         TextureFiltering::tell(&mut view);
-        if options.interpolation == Interpolation::Flat {
-            view.flags |= twins::VIEW_FLAT;
-        }
         Ok(view)
     }
 
@@ -126,7 +127,7 @@ impl Walkthrough {
         let bindings = self.surfaces.bind(context, passes, picture.view);
         let behind = self.behind(options) * exposure_of(options);
         let mut pass = begin(encoder, frame, Vec4::new(behind.r, behind.g, behind.b, 1.0));
-        pass.set_bind_group(0, &bindings, &[]);
+        pass.set_bind_group(0, &bindings, &[0]);
         let scale = picture.samples.scale();
         let field = match &options.style {
             Style::Lit => None,
@@ -135,9 +136,14 @@ impl Walkthrough {
             }
             Style::Plain(color) => Some(Field::Plain(*color)),
         };
+        let is_flat = options.interpolation == Interpolation::Flat;
         if let Some(field) = field {
             let bound = passes.falsecolour.bindings(context, field);
-            pass.set_pipeline(&passes.falsecolour.pipeline(context, field, frame.pixels));
+            pass.set_pipeline(
+                &passes
+                    .falsecolour
+                    .pipeline(context, field, is_flat, frame.pixels),
+            );
             pass.set_bind_group(1, &bound, &[]);
             self.surfaces.draw_solid(&mut pass);
         } else {
@@ -146,10 +152,11 @@ impl Walkthrough {
                 filtering: options.filtering,
                 bumps: options.bumps,
                 reflections: options.reflections,
+                flat: is_flat,
                 without: picture.without,
             };
             self.surfaces
-                .draw_solid_lit(context, passes, &mut pass, how);
+                .draw_solid_lit(context, passes, &mut pass, &bindings, how);
             if let Some(map) = &self.surroundings {
                 let around = &mut passes.surroundings;
                 let seen = (picture.aspect, picture.samples.window(), &picture.view);
@@ -157,17 +164,17 @@ impl Walkthrough {
                 pass.set_pipeline(&around.pipeline(context, frame.pixels));
                 pass.set_bind_group(0, &bound, &[]);
                 pass.draw(0..3, 0..1);
-                pass.set_bind_group(0, &bindings, &[]);
             }
             let camera = picture.camera;
             self.surfaces
-                .draw_layers(context, passes, &mut pass, how, camera);
+                .draw_layers(context, passes, &mut pass, &bindings, how, camera);
         }
         if let Some(lines) = options.lines {
             let line = passes
                 .overlay
                 .bindings(context, lines, picture.tones, scale);
             pass.set_pipeline(&passes.overlay.pipeline(context, frame.pixels));
+            pass.set_bind_group(0, &bindings, &[0]);
             pass.set_bind_group(1, &line, &[]);
             self.surfaces.geometry.draw_edges(&mut pass);
         }
@@ -196,9 +203,15 @@ pub(super) struct Picture<'a> {
     pub(super) without: Option<usize>,
 }
 
-/// Where the samples of a picture lie.
+/// Where the samples of a picture lie, or of a part of one.
 #[derive(Debug)]
-pub(super) enum Samples {
+pub(super) struct Samples {
+    tile: Tile,
+    kind: Kind,
+}
+
+#[derive(Debug)]
+enum Kind {
     /// So many in each pixel, which light and textures share.
     OfPixel(u32),
     /// On a grid of their own.
@@ -206,46 +219,56 @@ pub(super) enum Samples {
 }
 
 impl Samples {
-    pub(super) fn new(size: [u32; 2], smoothing: Smoothing) -> Result<Self, GpuError> {
-        Ok(match smoothing {
-            Smoothing::None => Self::OfPixel(1),
-            Smoothing::Multisample => Self::OfPixel(4),
-            Smoothing::Supersample(antialiasing) => Self::Grid(Grid::new(size, antialiasing)?),
-        })
+    pub(super) fn new(tile: Tile, smoothing: Smoothing) -> Result<Self, GpuError> {
+        let kind = match smoothing {
+            Smoothing::None => Kind::OfPixel(1),
+            Smoothing::Multisample => Kind::OfPixel(4),
+            Smoothing::Supersample(antialiasing) => Kind::Grid(Grid::new(tile.size, antialiasing)?),
+        };
+        Ok(Self { tile, kind })
+    }
+
+    /// Samples of a pixel along a side, and those that its weights reach.
+    pub(super) fn along_side(&self) -> [u32; 2] {
+        match &self.kind {
+            Kind::OfPixel(_) => [1, 1],
+            Kind::Grid(grid) => [grid.factor(), grid.taps()],
+        }
     }
 
     /// What a frame for them stores.
     pub(super) fn pixels(&self) -> Pixels {
         Pixels {
             format: LIGHT,
-            samples: match self {
-                Self::OfPixel(count) => *count,
-                Self::Grid(_) => 1,
+            samples: match self.kind {
+                Kind::OfPixel(count) => count,
+                Kind::Grid(_) => 1,
             },
         }
     }
 
     /// Width and height of what is drawn.
-    fn size(&self, pixels: [u32; 2]) -> [u32; 2] {
-        match self {
-            Self::OfPixel(_) => pixels,
-            Self::Grid(grid) => grid.samples(),
+    pub(super) fn size(&self) -> [u32; 2] {
+        match &self.kind {
+            Kind::OfPixel(_) => self.tile.size,
+            Kind::Grid(grid) => grid.samples(),
         }
     }
 
+    /// What of the picture's plane is drawn.
     fn window(&self) -> Window {
-        match self {
-            Self::OfPixel(_) => Window::WHOLE,
-            Self::Grid(grid) => grid.window(),
+        match &self.kind {
+            Kind::OfPixel(_) => self.tile.window(),
+            Kind::Grid(grid) => grid.window().within(self.tile.window()),
         }
     }
 
     /// Width of a pixel in what is drawn.
     fn scale(&self) -> f32 {
-        match self {
-            Self::OfPixel(_) => 1.0,
+        match &self.kind {
+            Kind::OfPixel(_) => 1.0,
             #[expect(clippy::cast_precision_loss, reason = "32 at most")]
-            Self::Grid(grid) => grid.factor() as f32,
+            Kind::Grid(grid) => grid.factor() as f32,
         }
     }
 }

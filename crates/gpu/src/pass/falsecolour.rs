@@ -17,7 +17,7 @@ const STEPS: u16 = 256;
 /// Draws numbers as colours.
 #[derive(Debug)]
 pub(crate) struct FalseColourPass {
-    pipelines: Pipelines<(&'static str, Pixels)>,
+    pipelines: Pipelines<(&'static str, bool, Pixels)>,
     scene: BindGroupLayout,
     field: BindGroupLayout,
 }
@@ -50,22 +50,24 @@ impl FalseColourPass {
         }
     }
 
-    /// The pipeline for a field.
+    /// The pipeline for a field, of elements or between vertices.
     pub(crate) fn pipeline(
         &mut self,
         context: &Context,
         field: Field<'_>,
+        is_flat: bool,
         pixels: Pixels,
     ) -> RenderPipeline {
         let (device, layouts) = (&context.device, [&self.scene, &self.field]);
         let fragment = field.entry();
-        self.pipelines.get(device, (fragment, pixels), |module| {
+        let key = (fragment, is_flat, pixels);
+        self.pipelines.get(device, key, |module| {
             let options = PipelineOptions {
                 label: fragment,
                 module,
                 vertex: "vertex",
                 fragment,
-                constants: &[],
+                constants: &[("FLAT", f64::from(u8::from(is_flat)))],
                 layouts: &layouts,
                 buffers: &surface_buffers(),
                 is_strip: false,

@@ -11,7 +11,7 @@ use crate::hemicube::count;
 use crate::pass::bump::ReliefMesh;
 use crate::pass::light::VertexSources;
 use core::ops::Range;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use hemicube_radiosity::drawn::{DrawnMesh, DrawnPart};
 use hemicube_radiosity::{PatchMesh, Solution};
 use hemicube_render::{TangentFrame, Tangents};
@@ -52,6 +52,8 @@ pub(crate) struct Run {
     /// Index of the scene's instance.
     pub(crate) instance: usize,
     pub(crate) cover: Cover,
+    /// Whether vertices have colours other than white.
+    pub(crate) has_colors: bool,
     pub(crate) indices: Range<u32>,
 }
 
@@ -95,6 +97,7 @@ impl Geometry {
                 material: part.material,
                 instance: part.instance,
                 cover: cover(part),
+                has_colors: has_colors(drawn, part),
                 indices: count(first)..count(3 * layout.triangles.len()),
             });
         }
@@ -144,6 +147,12 @@ fn some<T: bytemuck::Zeroable + Copy>(items: &[T]) -> Vec<T> {
     }
 }
 
+/// Whether a part's vertices have colours other than white.
+fn has_colors(drawn: &DrawnMesh, part: &DrawnPart) -> bool {
+    let mut vertices = part.triangles.as_flattened().iter();
+    vertices.any(|&v| drawn.colors[v as usize] != Vec4::ONE)
+}
+
 /// For each part the number of its first triangle among all.
 fn first_triangles(drawn: &DrawnMesh) -> Vec<u32> {
     let mut next = 0;
@@ -190,14 +199,13 @@ impl Layout {
         part: &DrawnPart,
         (tangents, first): (&Tangents, u32),
     ) {
-        let material = count(part.material);
         let triangles = part.triangles.iter().zip(&part.elements);
         for (number, (&corners, &element)) in (first..).zip(triangles) {
             if let Some(frame) = tangents.of_triangle(number) {
-                self.add_relief(drawn, (corners, element), material, frame);
+                self.add_relief(drawn, (corners, element), frame);
                 continue;
             }
-            let vertices = corners.map(|c| self.shared_vertex(drawn, c, material));
+            let vertices = corners.map(|c| self.shared_vertex(drawn, c));
             let turned = self.claimed(vertices, element);
             self.triangles.push(turned);
         }
@@ -208,7 +216,6 @@ impl Layout {
         &mut self,
         drawn: &DrawnMesh,
         (corners, element): ([u32; 3], u32),
-        material: u32,
         frame: &TangentFrame,
     ) {
         let triangle = self.reliefs.add(corners);
@@ -218,7 +225,7 @@ impl Layout {
             0
         };
         let vertices = [0, 1, 2].map(|i| {
-            let own = self.push(drawn, corners[i], material);
+            let own = self.push(drawn, corners[i]);
             self.claim(own, element);
             let vertex = &mut self.vertices[own as usize];
             vertex.tangent = frame.corners[i].to_array();
@@ -229,24 +236,23 @@ impl Layout {
     }
 
     /// The vertex that all triangles share.
-    fn shared_vertex(&mut self, drawn: &DrawnMesh, origin: u32, material: u32) -> u32 {
+    fn shared_vertex(&mut self, drawn: &DrawnMesh, origin: u32) -> u32 {
         if self.shared[origin as usize] == UNCLAIMED {
-            self.shared[origin as usize] = self.push(drawn, origin, material);
+            self.shared[origin as usize] = self.push(drawn, origin);
         }
         self.shared[origin as usize]
     }
 
-    fn push(&mut self, drawn: &DrawnMesh, origin: u32, material: u32) -> u32 {
+    fn push(&mut self, drawn: &DrawnMesh, origin: u32) -> u32 {
         let v = origin as usize;
         self.vertices.push(twins::SurfaceVertex {
             position: drawn.positions[v].to_array(),
             element: 0,
             normal: drawn.normals[v].to_array(),
-            material,
+            corner: 0,
             texcoords: drawn.texcoords[v].map(|uv| uv.to_array()),
             color: drawn.colors[v].to_array(),
             tangent: [0.0; 4],
-            corner: 0,
         });
         self.origins.push(origin);
         self.claims.push(UNCLAIMED);
@@ -325,13 +331,13 @@ fn edges(mesh: &PatchMesh) -> Vec<twins::Edge> {
 }
 
 /// Attributes of [`twins::SurfaceVertex`], in order.
-const VERTEX: [VertexAttribute; 8] = wgpu::vertex_attr_array![
-    0 => Float32x3, 1 => Uint32, 2 => Float32x3, 3 => Uint32, 4 => Float32x4, 5 => Float32x4, 6 => Float32x4, 7 => Uint32
+const VERTEX: [VertexAttribute; 7] = wgpu::vertex_attr_array![
+    0 => Float32x3, 1 => Uint32, 2 => Float32x3, 3 => Uint32, 4 => Float32x4, 5 => Float32x4, 6 => Float32x4
 ];
 const LIGHT: [VertexAttribute; 1] = [VertexAttribute {
     format: VertexFormat::Float32x4,
     offset: 0,
-    shader_location: 8,
+    shader_location: 7,
 }];
 /// Attributes of [`twins::Edge`], in order.
 const EDGE: [VertexAttribute; 4] =

@@ -4,6 +4,7 @@ use crate::buffer::{layout, storage, uniform};
 use crate::context::Context;
 use crate::pass::geometry::surface_buffers;
 use crate::pass::pipeline::{Blend, Depth, PipelineOptions, Pipelines, render};
+use crate::pass::variant::Variant;
 use hemicube_shaders::{Shader, surface as twins};
 use wgpu::{BindGroupLayout, RenderPipeline, ShaderStages, TextureFormat};
 
@@ -27,43 +28,13 @@ pub(crate) struct Pixels {
     pub(crate) samples: u32,
 }
 
-/// What a pipeline over surfaces is made for: the shader contains nothing else.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub(crate) struct Variant {
-    /// Slots that have textures, a bit for each.
-    pub(crate) slots: u8,
-    /// `RELIEF_*`.
-    pub(crate) relief: u8,
-    /// Whether EWA is read from afar.
-    pub(crate) ewa: bool,
-    /// Whether the sampler's own filter is anisotropic.
-    pub(crate) anisotropic: bool,
-    /// `MAGNIFY_*`.
-    pub(crate) magnify: u8,
-}
-
-impl Variant {
-    /// Values of the overrides of the shader, as far as it has them.
-    fn constants(self, shader: &Shader) -> Vec<(&'static str, f64)> {
-        let all = [
-            ("SLOTS", self.slots.into()),
-            ("RELIEF", self.relief.into()),
-            ("EWA", f64::from(u8::from(self.ewa))),
-            ("ANISOTROPIC", f64::from(u8::from(self.anisotropic))),
-            ("MAGNIFY", self.magnify.into()),
-        ];
-        let has = |name: &str| shader.source.contains(&format!("override {name}:"));
-        all.into_iter().filter(|(name, _)| has(name)).collect()
-    }
-}
-
-/// The first bindings of all passes over surfaces: view, materials, light and dims of elements.
+/// The first bindings of all passes over surfaces: view, one material of many, light and dims of elements.
 pub(crate) fn scene_layout(context: &Context) -> BindGroupLayout {
     layout(
         &context.device,
         "surfaces",
         ShaderStages::VERTEX_FRAGMENT,
-        &[uniform(false), storage(true), storage(true), storage(true)],
+        &[uniform(false), uniform(true), storage(true), storage(true)],
     )
 }
 

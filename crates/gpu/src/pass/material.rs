@@ -30,10 +30,9 @@ pub(crate) fn materials(scene: &Scene) -> Vec<twins::Material> {
 }
 
 fn twin(scene: &Scene, material: &Material) -> twins::Material {
-    let (cutoff, alpha) = match material.alpha_mode {
-        AlphaMode::Opaque => (0.0, 0),
-        AlphaMode::Mask { cutoff } => (cutoff, twins::MATERIAL_MASK),
-        AlphaMode::Blend => (0.0, twins::MATERIAL_BLEND),
+    let cutoff = match material.alpha_mode {
+        AlphaMode::Mask { cutoff } => cutoff,
+        AlphaMode::Opaque | AlphaMode::Blend => 0.0,
     };
     let relief = match material.relief.map(|relief| relief.kind) {
         None => 0.0,
@@ -54,21 +53,10 @@ fn twin(scene: &Scene, material: &Material) -> twins::Material {
         roughness: material.roughness,
         transmission: material.transmission,
         cutoff,
-        flags: alpha,
-        relief_size: relief_size(scene, material),
         relief,
-        padding: 0,
+        padding: [0; 4],
         slots: slots(material).map(|slot| slot_twin(scene, material, slot)),
     }
-}
-
-/// Texels of the relief's picture across and down.
-fn relief_size(scene: &Scene, material: &Material) -> [f32; 2] {
-    material.relief.map_or([1.0; 2], |relief| {
-        let texture = scene.textures[relief.slot.texture];
-        let pixels = scene.images[texture.image].pixels();
-        [pixels.width() as f32, pixels.height() as f32]
-    })
 }
 
 fn slot_twin(scene: &Scene, material: &Material, slot: Option<TextureSlot>) -> twins::Slot {
@@ -103,8 +91,16 @@ fn slot_twin(scene: &Scene, material: &Material, slot: Option<TextureSlot>) -> t
         matrix: matrix2.to_cols_array(),
         offset: translation.to_array(),
         flags,
-        padding: 0,
+        size: size(scene, slot),
     }
+}
+
+/// Width and height of a slot's picture in 16 bits each; pictures that are larger do not fit an adapter.
+fn size(scene: &Scene, slot: TextureSlot) -> u32 {
+    let texture = scene.textures[slot.texture];
+    let pixels = scene.images[texture.image].pixels();
+    let bits = |side: usize| u32::from(u16::try_from(side).unwrap_or(u16::MAX));
+    bits(pixels.width()) | bits(pixels.height()) << 16
 }
 
 /// Whether a slot's colours count with their alpha: those of a base colour whose alpha means something.

@@ -42,7 +42,8 @@
 //! # Current state
 //! Cameras are perspective or orthographic. What lets light through is sorted by the middles of triangles: where panes cut
 //! each other their order may be wrong. Multisampling smooths edges of triangles, not those of alpha masks. Single samples
-//! that fall between surfaces are not mended, as the CPU does. Bumps are lit as if by a uniform sky until
+//! that fall between surfaces are not mended, as the CPU does. Pictures that come to the CPU may be larger than a texture:
+//! they are drawn in tiles, which differ from one picture in 2 of 210,000 pixels; a [`Target`] is drawn at once. Bumps are lit as if by a uniform sky until
 //! [`Walkthrough::gather_reliefs`] has been called, which works on the CPU. Radiance above 65,504 times what the exposure
 //! makes 1 is cut. A mesh that changes its elements needs a new walkthrough; [`Walkthrough::another`] keeps the pipelines.
 
@@ -70,7 +71,9 @@ mod surroundings;
 mod target;
 mod textured;
 mod textures;
+mod tile;
 mod tonemap;
+mod variant;
 mod view;
 mod walkthrough;
 

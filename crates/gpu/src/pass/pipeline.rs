@@ -134,6 +134,32 @@ pub(crate) fn render(device: &Device, options: &PipelineOptions<'_>) -> RenderPi
     })
 }
 
+/// A pipeline that draws every pixel of a target with a shader whose vertex stage is `screen`.
+pub(crate) fn for_every_pixel(
+    device: &Device,
+    module: &wgpu::ShaderModule,
+    fragment: &str,
+    layout: &BindGroupLayout,
+    format: TextureFormat,
+) -> RenderPipeline {
+    let options = PipelineOptions {
+        label: fragment,
+        module,
+        vertex: "screen",
+        fragment,
+        constants: &[],
+        layouts: &[layout],
+        buffers: &[],
+        is_strip: false,
+        culls: false,
+        depth: Depth::None,
+        blend: Blend::Replace,
+        format,
+        samples: 1,
+    };
+    render(device, &options)
+}
+
 /// A shader that becomes a module when it is first asked for, and the pipelines made of it.
 #[derive(Debug)]
 pub(crate) struct Pipelines<K> {

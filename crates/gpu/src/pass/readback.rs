@@ -1,13 +1,14 @@
 //! Pictures that come to the CPU, and what a pixel shows.
 
 use crate::error::GpuError;
-use crate::pass::draw::{aspect_of, begin, exposure_of, tones_of};
+use crate::pass::draw::{Samples, aspect_of, begin, exposure_of, tones_of};
 use crate::pass::lit::Pixels;
 use crate::pass::options::{DrawOptions, Smoothing};
 use crate::pass::pick::ELEMENTS;
-use crate::pass::target::{Frame, Target, check_size, read_texels, texture};
+use crate::pass::target::{Frame, Target, read_texels, texture};
+use crate::pass::tile::Tile;
 use crate::pass::tonemap::Tones;
-use crate::pass::view::{Window, view};
+use crate::pass::view::view;
 use crate::pass::walkthrough::{Walkthrough, locked};
 use glam::Vec4;
 use hemicube_raster::tonemap::Exposure;
@@ -15,11 +16,14 @@ use hemicube_raster::{Image, Rgb};
 use hemicube_scene::Camera;
 use wgpu::{CommandEncoder, TextureFormat, TextureUsages, TextureViewDescriptor};
 
+/// Pixels of a picture that comes to the CPU at most: 1.6 GB of floats.
+const MOST_PIXELS: u64 = 1 << 27;
 /// Longest side of the picture from which exposure is taken.
 const METERED_SIDE: u32 = 256;
 
 impl Walkthrough {
-    /// Radiance of each pixel in the scene's units, from the device to the CPU. It is kept in 16 bits on the way, relative
+    /// Radiance of each pixel in the scene's units, from the device to the CPU. A picture that is larger than the adapter
+    /// draws at once is drawn in tiles. It is kept in 16 bits on the way, relative
     /// to the options' exposure.
     ///
     /// # Errors
@@ -63,7 +67,10 @@ impl Walkthrough {
             return Ok(exposure.factor([]));
         }
         let longer = size[0].max(size[1]).max(1);
-        let scaled = |side: u32| (side * METERED_SIDE / longer).clamp(1, METERED_SIDE);
+        let scaled = |side: u32| {
+            let share = u64::from(side) * u64::from(METERED_SIDE) / u64::from(longer);
+            u32::try_from(share).unwrap_or(METERED_SIDE).max(1)
+        };
         let options = DrawOptions::default().with_smoothing(Smoothing::None);
         let sky = core::mem::replace(&mut self.sky, Rgb::BLACK);
         let surroundings = self.surroundings.take();
@@ -79,27 +86,46 @@ impl Walkthrough {
         options: &DrawOptions,
         tones: Tones,
     ) -> Result<Image<Rgb>, GpuError> {
-        check_size(&self.context, size)?;
+        check_pixels(size)?;
+        let along_side = Samples::new(Tile::all(size), options.smoothing)?.along_side();
+        let mut image = filled(size, Rgb::BLACK);
+        for tile in Tile::cover(size, self.largest_side(), along_side) {
+            let words = self.read_tile(tile, camera, options, tones)?;
+            let band = |word: u32| f32::from_bits(word);
+            let colors = words.chunks_exact(4);
+            let colors = colors.map(|t| Rgb::new(band(t[0]), band(t[1]), band(t[2])));
+            put(&mut image, tile, colors);
+        }
+        Ok(image)
+    }
+
+    /// The texels of a part of a picture, four floats each.
+    fn read_tile(
+        &mut self,
+        tile: Tile,
+        camera: &Camera,
+        options: &DrawOptions,
+        tones: Tones,
+    ) -> Result<Vec<u32>, GpuError> {
         let pixels = Pixels {
             format: TextureFormat::Rgba32Float,
             samples: 1,
         };
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
-        let picture = texture(&self.context, "picture to read", size, pixels, usage);
+        let picture = texture(&self.context, "picture to read", tile.size, pixels, usage);
         let target = Target {
             view: &picture.create_view(&TextureViewDescriptor::default()),
             format: pixels.format,
-            size,
+            size: tile.size,
         };
         let mut encoder = self.encoder("picture");
-        self.draw_toned(&mut encoder, target, camera, options, tones)?;
+        self.draw_tile(&mut encoder, target, tile, camera, options, tones)?;
         self.context.queue.submit([encoder.finish()]);
-        let words = read_texels(&self.context, &picture)?;
-        let band = |word: u32| f32::from_bits(word);
-        let texels = words.chunks_exact(4);
-        let colors = texels.map(|t| Rgb::new(band(t[0]), band(t[1]), band(t[2])));
-        let [width, height] = size.map(|side| side as usize);
-        Ok(Image::from_pixels(width, height, colors.collect()).expect("a colour for each pixel"))
+        read_texels(&self.context, &picture)
+    }
+
+    fn largest_side(&self) -> u32 {
+        self.context.limits.max_texture_dimension_2d
     }
 
     /// The element that a pixel of a picture of so many shows, if it shows one.
@@ -112,8 +138,8 @@ impl Walkthrough {
         size: [u32; 2],
         pixel: [u32; 2],
     ) -> Result<Option<usize>, GpuError> {
-        let window = Window::of_pixel(size, pixel);
-        let all = self.elements_in(camera, size, [1, 1], window)?;
+        check_pixels(size)?;
+        let all = self.elements_in(camera, Tile::pixel(size, pixel))?;
         Ok(all[0].checked_sub(1).map(|e| e as usize))
     }
 
@@ -122,38 +148,35 @@ impl Walkthrough {
     /// # Errors
     /// As [`Self::draw`]; the device was lost.
     pub fn elements(&mut self, camera: &Camera, size: [u32; 2]) -> Result<Image<u32>, GpuError> {
-        let elements = self.elements_in(camera, size, size, Window::WHOLE)?;
-        let [width, height] = size.map(|side| side as usize);
-        Ok(Image::from_pixels(width, height, elements).expect("a number for each pixel"))
+        check_pixels(size)?;
+        let mut image = filled(size, 0);
+        for tile in Tile::cover(size, self.largest_side(), [1, 1]) {
+            let elements = self.elements_in(camera, tile)?;
+            put(&mut image, tile, elements.into_iter());
+        }
+        Ok(image)
     }
 
-    fn elements_in(
-        &self,
-        camera: &Camera,
-        size: [u32; 2],
-        target: [u32; 2],
-        window: Window,
-    ) -> Result<Vec<u32>, GpuError> {
-        check_size(&self.context, size)?;
+    fn elements_in(&self, camera: &Camera, tile: Tile) -> Result<Vec<u32>, GpuError> {
         let view = view(
             camera,
-            aspect_of(size),
-            target,
+            aspect_of(tile.whole),
+            tile.size,
             &self.surfaces.bounds,
-            window,
+            tile.window(),
         )?;
         let pixels = Pixels {
             format: ELEMENTS,
             samples: 1,
         };
-        let frame = Frame::new(&self.context, target, pixels)?;
+        let frame = Frame::new(&self.context, tile.size, pixels)?;
         let mut encoder = self.encoder("pick");
         {
             let mut passes = locked(&self.passes);
             let mut pass = begin(&mut encoder, &frame, Vec4::ZERO);
             pass.set_pipeline(&passes.pick.pipeline(&self.context));
             let bindings = self.surfaces.bind(&self.context, &passes, view);
-            pass.set_bind_group(0, &bindings, &[]);
+            pass.set_bind_group(0, &bindings, &[0]);
             self.surfaces.set_buffers(&mut pass);
             pass.draw_indexed(0..self.surfaces.index_count(), 0, 0..1);
         }
@@ -164,5 +187,29 @@ impl Walkthrough {
     fn encoder(&self, label: &str) -> CommandEncoder {
         let descriptor = wgpu::CommandEncoderDescriptor { label: Some(label) };
         self.context.device.create_command_encoder(&descriptor)
+    }
+}
+
+/// Refuses pictures of no pixel, and of more than memory should hold.
+fn check_pixels([width, height]: [u32; 2]) -> Result<(), GpuError> {
+    let pixels = u64::from(width) * u64::from(height);
+    if (1..=MOST_PIXELS).contains(&pixels) {
+        return Ok(());
+    }
+    Err(GpuError::Option(format!(
+        "picture of {width} x {height} pixels: it must have at least 1 and at most {MOST_PIXELS}"
+    )))
+}
+
+fn filled<P: Clone>([width, height]: [u32; 2], pixel: P) -> Image<P> {
+    Image::filled(width as usize, height as usize, pixel)
+}
+
+/// Puts the pixels of a tile where they belong.
+fn put<P>(image: &mut Image<P>, tile: Tile, pixels: impl Iterator<Item = P>) {
+    let [left, top] = tile.at.map(|side| side as usize);
+    let width = tile.size[0] as usize;
+    for (i, pixel) in pixels.enumerate() {
+        *image.pixel_mut(left + i % width, top + i / width) = pixel;
     }
 }

@@ -8,6 +8,7 @@ use crate::pass::environment::Lookup;
 use crate::pass::map::DeviceMap;
 use crate::pass::options::{DrawOptions, Smoothing};
 use crate::pass::passes::Passes;
+use crate::pass::tile::Tile;
 use crate::pass::tonemap::Tones;
 use crate::pass::walkthrough::{Walkthrough, locked};
 use hemicube_radiosity::Solution;
@@ -142,8 +143,8 @@ impl Walkthrough {
             for face in 0..6 {
                 let camera = face_camera(site.position, face);
                 let size = [2 * cube.side; 2];
-                let samples = Samples::OfPixel(1);
-                let view = self.view(&camera, size, &samples, options)?;
+                let samples = Samples::new(Tile::all(size), Smoothing::None)?;
+                let view = self.view(&camera, &samples, options)?;
                 let at = self.frame(size, samples.pixels())?;
                 let picture = Picture {
                     view,

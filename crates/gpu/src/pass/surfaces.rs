@@ -3,15 +3,18 @@
 use crate::buffer::{bind, filled};
 use crate::context::Context;
 use crate::error::GpuError;
+use crate::hemicube::count;
 use crate::pass::bump::Reliefs;
 use crate::pass::geometry::{Cover, Geometry};
 use crate::pass::layers::Layers;
 use crate::pass::light::SurfaceLight;
-use crate::pass::lit::{Pixels, Stage, Variant};
+use crate::pass::lit::{Pixels, Stage};
 use crate::pass::material::{materials, slots};
 use crate::pass::passes::Passes;
 use crate::pass::textured::{MaterialTextures, TextureFiltering};
+use crate::pass::variant::Variant;
 use crate::pass::view::Bounds;
+use core::num::NonZeroU64;
 use hemicube_radiosity::{DrawnMesh, Solution};
 use hemicube_raster::Rgb;
 use hemicube_scene::{Camera, MetalsAs, Scene, Units};
@@ -28,6 +31,8 @@ pub(crate) struct How {
     pub(crate) bumps: bool,
     /// Whether what mirrors does.
     pub(crate) reflections: bool,
+    /// Whether light is that of elements instead of that between vertices.
+    pub(crate) flat: bool,
     /// An instance that is left out.
     pub(crate) without: Option<usize>,
 }
@@ -37,12 +42,12 @@ pub(crate) struct How {
 enum Drawn {
     /// Without textures.
     Lit,
-    /// With those of a material.
-    Textured(usize),
+    /// With those of its material.
+    Textured,
     /// And its relief.
-    Bumped(usize),
+    Bumped,
     /// And as a mirror that shows a map.
-    Mirroring(usize, usize),
+    Mirroring(usize),
 }
 
 /// The surfaces of a scene on the device.
@@ -53,6 +58,8 @@ pub(crate) struct Surfaces {
     pub(crate) bounds: Bounds,
     scene: Arc<Scene>,
     materials: Buffer,
+    /// Which of them emit.
+    emits: Vec<bool>,
     textures: MaterialTextures,
     pub(crate) reliefs: Reliefs,
     /// Maps of mirrors.
@@ -75,10 +82,12 @@ impl Surfaces {
         let drawn = DrawnMesh::new(solution, Rgb::BLACK);
         let (geometry, sources, reliefs) = Geometry::new(context, solution, &drawn)?;
         let light = SurfaceLight::new(context, &passes.light, solution, &sources)?;
-        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        let factors = materials(&scene);
+        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         Ok(Self {
             bounds: Bounds::of(geometry.positions.iter().copied()),
-            materials: filled(&context.device, "materials", &materials(&scene), usage),
+            materials: filled(&context.device, "materials", &factors, usage),
+            emits: emits(&factors),
             textures: MaterialTextures::new(context, &scene)?,
             reliefs: Reliefs::new(
                 context,
@@ -105,7 +114,11 @@ impl Surfaces {
     ///
     /// # Errors
     /// The scene has another number of materials.
-    pub(crate) fn set_materials(&self, context: &Context, scene: &Scene) -> Result<(), GpuError> {
+    pub(crate) fn set_materials(
+        &mut self,
+        context: &Context,
+        scene: &Scene,
+    ) -> Result<(), GpuError> {
         let new = materials(scene);
         if size_of_val(new.as_slice()) as u64 != self.materials.size() {
             return Err(GpuError::Option(String::from(
@@ -114,6 +127,7 @@ impl Surfaces {
         }
         let bytes = bytemuck::cast_slice(&new);
         context.queue.write_buffer(&self.materials, 0, bytes);
+        self.emits = emits(&new);
         Ok(())
     }
 
@@ -125,18 +139,22 @@ impl Surfaces {
         view.max_reflectance = self.scene.max_reflectance;
     }
 
-    /// A view together with what all passes read.
+    /// A view together with what all passes read; its dynamic offset is that of a material.
     pub(crate) fn bind(&self, context: &Context, passes: &Passes, view: twins::View) -> BindGroup {
         let device = &context.device;
         let buffer = filled(device, "view", &[view], BufferUsages::UNIFORM);
         let light = &self.light;
-        let all = [
-            &buffer,
-            &self.materials,
-            &light.element_light,
-            &light.element_dims,
+        let one_material = wgpu::BufferBinding {
+            buffer: &self.materials,
+            offset: 0,
+            size: NonZeroU64::new(twins::MATERIAL_STRIDE.into()),
+        };
+        let resources = [
+            buffer.as_entire_binding(),
+            wgpu::BindingResource::Buffer(one_material),
+            light.element_light.as_entire_binding(),
+            light.element_dims.as_entire_binding(),
         ];
-        let resources = all.map(Buffer::as_entire_binding);
         bind(device, "surfaces", &passes.scene, &resources)
     }
 
@@ -160,6 +178,7 @@ impl Surfaces {
         context: &Context,
         passes: &mut Passes,
         pass: &mut RenderPass<'_>,
+        bindings: &BindGroup,
         how: How,
     ) {
         self.set_buffers(pass);
@@ -173,7 +192,7 @@ impl Surfaces {
                     Cover::Masked => Stage::Masked,
                     _ => Stage::Opaque,
                 };
-                self.set_run(context, passes, pass, (run, stage), how);
+                self.set_run(context, passes, pass, bindings, (run, stage), how);
                 let end = self.geometry.runs[last].indices.end;
                 pass.draw_indexed(of.indices.start..end, 0, 0..1);
                 run = last;
@@ -206,6 +225,8 @@ impl Surfaces {
         let is_alike = |&next: &usize| {
             let of = &runs[next];
             of.cover == runs[first].cover
+                && of.material == runs[first].material
+                && of.has_colors == runs[first].has_colors
                 && how.without != Some(of.instance)
                 && self.drawn(next, how) == drawn
         };
@@ -219,9 +240,9 @@ impl Surfaces {
         let material = &self.scene.materials[run.material];
         let mirror = self.mirror_of_parts.get(run.part).copied().flatten();
         match mirror.filter(|&map| how.reflections && map < self.mirrors.len()) {
-            Some(map) => Drawn::Mirroring(run.material, map),
-            None if how.bumps && material.relief.is_some() => Drawn::Bumped(run.material),
-            None if slots(material).iter().any(Option::is_some) => Drawn::Textured(run.material),
+            Some(map) => Drawn::Mirroring(map),
+            None if how.bumps && material.relief.is_some() => Drawn::Bumped,
+            None if slots(material).iter().any(Option::is_some) => Drawn::Textured,
             None => Drawn::Lit,
         }
     }
@@ -232,6 +253,7 @@ impl Surfaces {
         context: &Context,
         passes: &mut Passes,
         pass: &mut RenderPass<'_>,
+        bindings: &BindGroup,
         how: How,
         camera: &Camera,
     ) {
@@ -248,7 +270,7 @@ impl Surfaces {
                 continue;
             }
             for stage in [Stage::Through, Stage::Own] {
-                self.set_run(context, passes, pass, (*run, stage), how);
+                self.set_run(context, passes, pass, bindings, (*run, stage), how);
                 pass.draw_indexed(range.clone(), 0, 0..1);
             }
         }
@@ -260,34 +282,56 @@ impl Surfaces {
         context: &Context,
         passes: &mut Passes,
         pass: &mut RenderPass<'_>,
+        bindings: &BindGroup,
         (run, stage): (usize, Stage),
         how: How,
     ) {
         let drawn = self.drawn(run, how);
-        let (pipelines, material) = match drawn {
-            Drawn::Lit => (&mut passes.lit, None),
-            Drawn::Textured(of) => (&mut passes.textured.pipelines, Some(of)),
-            Drawn::Bumped(of) => (&mut passes.bump.pipelines, Some(of)),
-            Drawn::Mirroring(of, _) => (&mut passes.environment.pipelines, Some(of)),
+        let material = self.geometry.runs[run].material;
+        let pipelines = match drawn {
+            Drawn::Lit => &mut passes.lit,
+            Drawn::Textured => &mut passes.textured.pipelines,
+            Drawn::Bumped => &mut passes.bump.pipelines,
+            Drawn::Mirroring(_) => &mut passes.environment.pipelines,
         };
-        let materials = &self.scene.materials;
-        let mut variant =
-            material.map_or_else(Variant::default, |of| how.filtering.variant(&materials[of]));
-        if !how.bumps || matches!(drawn, Drawn::Textured(_)) {
-            variant.relief = 0;
-            variant.slots &= !(1 << twins::SLOT_RELIEF);
-        }
+        let variant = self.variant(run, drawn, how);
         pass.set_pipeline(&pipelines.pipeline(context, stage, how.pixels, variant));
-        let Some(material) = material else { return };
+        pass.set_bind_group(0, bindings, &[count(material) * twins::MATERIAL_STRIDE]);
+        if drawn == Drawn::Lit {
+            return;
+        }
         let layout = &passes.textured.layout;
         let textures = &mut self.textures;
         let bound = textures.of(context, layout, &self.scene, material, how.filtering);
         pass.set_bind_group(1, &bound, &[]);
-        if !matches!(drawn, Drawn::Textured(_)) {
+        if drawn != Drawn::Textured {
             pass.set_bind_group(2, &self.reliefs.bindings, &[]);
         }
-        if let Drawn::Mirroring(_, map) = drawn {
+        if let Drawn::Mirroring(map) = drawn {
             pass.set_bind_group(3, &self.mirrors[map], &[]);
         }
     }
+
+    /// What the shader of a run is made for.
+    fn variant(&self, run: usize, drawn: Drawn, how: How) -> Variant {
+        let run = &self.geometry.runs[run];
+        let (material, emits) = (
+            &self.scene.materials[run.material],
+            self.emits[run.material],
+        );
+        let variant = Variant::untextured(material, emits, run.has_colors, how.flat);
+        match drawn {
+            Drawn::Lit => variant,
+            Drawn::Textured => variant.with_textures(material, how.filtering, false),
+            Drawn::Bumped | Drawn::Mirroring(_) => {
+                variant.with_textures(material, how.filtering, how.bumps)
+            }
+        }
+    }
+}
+
+/// Which materials emit.
+fn emits(materials: &[twins::Material]) -> Vec<bool> {
+    let emits = |material: &twins::Material| material.emission != [0.0; 3];
+    materials.iter().map(emits).collect()
 }

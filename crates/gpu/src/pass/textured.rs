@@ -3,11 +3,10 @@
 use crate::buffer::{bind, layout};
 use crate::context::Context;
 use crate::error::GpuError;
-use crate::pass::lit::{SurfacePass, Variant};
-use crate::pass::material::slots;
+use crate::pass::lit::SurfacePass;
 use crate::pass::textures::Textures;
-use hemicube_raster::texture::{Cubic, Magnify, Minify};
-use hemicube_scene::{Material, ReliefKind, Scene};
+use hemicube_raster::texture::{Magnify, Minify};
+use hemicube_scene::Scene;
 use hemicube_shaders::surface as twins;
 use std::collections::HashMap;
 use wgpu::{
@@ -50,30 +49,6 @@ impl TextureFiltering {
         let defaults = hemicube_raster::texture::Sampler::default();
         view.max_anisotropy = defaults.max_anisotropy;
         view.ewa_radius = defaults.ewa_radius;
-    }
-
-    /// What shaders of a material are made for.
-    pub(crate) fn variant(self, material: &Material) -> Variant {
-        let magnify = match self.magnify {
-            Magnify::Point | Magnify::Bilinear => twins::MAGNIFY_SAMPLER,
-            Magnify::Bicubic(Cubic::CatmullRom) => twins::MAGNIFY_CATMULL_ROM,
-            Magnify::Bicubic(Cubic::BSpline) => twins::MAGNIFY_B_SPLINE,
-            Magnify::Bicubic(Cubic::Mitchell) => twins::MAGNIFY_MITCHELL,
-        };
-        let relief = match material.relief.map(|relief| relief.kind) {
-            None => twins::RELIEF_NONE,
-            Some(ReliefKind::Normal { .. }) => twins::RELIEF_NORMALS,
-            Some(ReliefKind::Height { .. }) => twins::RELIEF_HEIGHTS,
-        };
-        let present = slots(material).map(|slot| u8::from(slot.is_some()));
-        let small = |number: u32| u8::try_from(number).expect("a few");
-        Variant {
-            slots: (0..6).map(|slot| present[slot] << slot).sum(),
-            relief: small(relief),
-            ewa: self.minify == Minify::Ewa,
-            anisotropic: self.minify == Minify::Anisotropic,
-            magnify: small(magnify),
-        }
     }
 }
 

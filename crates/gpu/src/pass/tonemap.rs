@@ -2,7 +2,7 @@
 
 use crate::buffer::{bind, binding, filled, uniform};
 use crate::context::Context;
-use crate::pass::pipeline::{Blend, Depth, PipelineOptions, Pipelines, render};
+use crate::pass::pipeline::{Pipelines, for_every_pixel};
 use hemicube_raster::tonemap::ToneMap;
 use hemicube_shaders::surface as twins;
 use wgpu::{
@@ -94,22 +94,7 @@ impl TonePass {
             } else {
                 "tone_mapped"
             };
-            let options = PipelineOptions {
-                label: "tones",
-                module,
-                vertex: "screen",
-                fragment,
-                constants: &[],
-                layouts: &[layout],
-                buffers: &[],
-                is_strip: false,
-                culls: false,
-                depth: Depth::None,
-                blend: Blend::Replace,
-                format,
-                samples: 1,
-            };
-            render(device, &options)
+            for_every_pixel(device, module, fragment, layout, format)
         })
     }
 }

@@ -49,20 +49,11 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// All of it.
-    pub(crate) const WHOLE: Self = Self {
-        scale: DVec2::ONE,
-        offset: DVec2::ZERO,
-    };
-
-    /// One pixel of a picture of so many.
-    pub(crate) fn of_pixel(size: [u32; 2], at: [u32; 2]) -> Self {
-        let size = DVec2::new(size[0].into(), size[1].into());
-        let at = DVec2::new(at[0].into(), at[1].into()) + 0.5;
-        let centre = DVec2::new(2.0 * at.x / size.x - 1.0, 1.0 - 2.0 * at.y / size.y);
+    /// What a target sees that takes this window's place in another one: first that one, then this.
+    pub(crate) fn within(self, outer: Self) -> Self {
         Self {
-            scale: size,
-            offset: -centre * size,
+            scale: self.scale * outer.scale,
+            offset: self.scale * outer.offset + self.offset,
         }
     }
 
