@@ -57,7 +57,10 @@ pub use job::{
 pub use patch::edit::MaterialEdit;
 pub use patch::{NodeId, PatchMesh, PatchOptions};
 pub use solution::{EnergyBalance, Grouping, Solution};
-pub use solve::{Order, Progress, Shooting, Solver, Stochastic, StochasticOptions};
+pub use solve::{
+    Hierarchical, HierarchicalOptions, Order, Progress, Shooting, Solver, Stochastic,
+    StochasticOptions,
+};
 pub use visibility::Visibility;
 
 /// Index as the 32-bit number that arrays of ids hold.
