@@ -14,6 +14,8 @@ const AT_ONCE: u32 = 1024;
 pub(super) struct Lost {
     pub(super) backs: Vec<f64>,
     pub(super) escaped: Vec<f64>,
+    /// Rays of each channel's light.
+    rays: Vec<f64>,
 }
 
 /// Sums by channel.
@@ -59,7 +61,14 @@ impl Lost {
         Self {
             backs: vec![0.0; channels],
             escaped: vec![0.0; channels],
+            rays: vec![0.0; channels],
         }
+    }
+
+    /// Standard error of the share that is lost; 0 where no ray was.
+    pub(super) fn error(&self, channel: usize) -> f64 {
+        let share = (self.backs[channel] + self.escaped[channel]).min(1.0);
+        (share * (1.0 - share) / self.rays[channel].max(1.0)).sqrt()
     }
 
     /// Of a radiosity, `[channel][element]`, by so many rays in proportion to the flux. Signs do not count.
@@ -89,6 +98,7 @@ impl Lost {
         Self {
             backs: shares(&sums.backs),
             escaped: shares(&sums.escaped),
+            rays: sums.left,
         }
     }
 }

@@ -42,7 +42,8 @@ use std::sync::Arc;
 /// How exact the light is to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HierarchicalOptions {
-    /// Finished at this relative error of the irradiance, estimated, root mean square over the area
+    /// Finished at this relative error of the irradiance, estimated, root mean square over the area; of elements that
+    /// receive less than a twentieth of the mean it is more and more relative to the mean instead
     /// ([`Hierarchical::error`]). Default value: 0.03.
     pub error: f64,
     /// Unshot share of the emitted flux at which gathering ends. Default value: 5e-4.
@@ -73,7 +74,7 @@ const FIRST_THRESHOLD: f32 = 0.1;
 const LOWERED_BY: f32 = 4.0;
 /// Below this share only the rounding of numbers is left.
 const LEAST_THRESHOLD: f32 = 1e-14;
-/// Irradiance below this share of the mean does not make errors larger.
+/// Where irradiance is below this share of the mean, errors count the less the darker it is.
 const DIM: f32 = 0.05;
 /// Sweeps of one step.
 const MOST_SWEEPS: u32 = 64;
@@ -84,6 +85,8 @@ const ROUNDING: f64 = 1e-6;
 /// Rays that tell what is lost of light as it starts, and of reflected light in each step.
 const FIRST_PROBES: u32 = 1 << 17;
 const PROBES: u32 = 1 << 15;
+/// Standard errors of what rays say is lost within which factors are believed.
+const BELIEVED: f64 = 2.0;
 /// Largest relative correction of what arrives by what rays say is lost.
 const TRUSTED_CORRECTION: f64 = 0.2;
 /// Bytes of a node with its light, beside its channels.
@@ -245,16 +248,26 @@ impl Hierarchical {
             let sent = flux(&outgoing[range.clone()], &|_| 1.0);
             let started = flux(&self.start[range.clone()], &|_| 1.0);
             let received = flux(&gathered[range.clone()], &kept);
-            let [backs, escaped] = [0, 1].map(|way| {
+            let fluxes = [started, sent - started];
+            let [backs, escaped] = [0, 1].map(|way| -> f64 {
                 let share = |lost: &Lost| [&lost.backs, &lost.escaped][way][channel];
-                started * share(&self.lost[0]) + (sent - started) * share(&self.lost[1])
+                let pairs = self.lost.iter().zip(fluxes);
+                pairs.map(|(lost, flux)| flux * share(lost)).sum()
             });
-            let scale = (sent - backs - escaped) / received;
-            let (scale, lost) = if (scale - 1.0).abs() <= TRUSTED_CORRECTION {
-                (scale, [backs, escaped])
+            // Factors are believed as far as rays do not speak against them.
+            let errors = self.lost.iter().zip(fluxes);
+            let reach = errors.fold(0.0, |sum: f64, (lost, flux)| {
+                sum.hypot(BELIEVED * flux * lost.error(channel))
+            });
+            let (least, most) = (backs + escaped - reach, backs + escaped + reach);
+            let gone = (sent - received).max(least).min(most);
+            let scale = (sent - gone) / received;
+            let (scale, gone) = if (scale - 1.0).abs() <= TRUSTED_CORRECTION {
+                (scale, gone)
             } else {
-                (1.0, split(sent - received, [backs, escaped]))
+                (1.0, sent - received)
             };
+            let lost = split(gone, [backs, escaped]);
             let scale = to_f32(scale);
             gathered[range].iter_mut().for_each(|h| *h *= scale);
             self.due[0][channel] = lost[0];
@@ -262,7 +275,7 @@ impl Hierarchical {
         }
     }
 
-    /// `A_r / (A H_r²)` of each node, where `H` is the magnitude of irradiance over all channels.
+    /// `A_r / (A H_r²)` of each node, where `H` is the magnitude of irradiance over all channels; see [`weight`].
     fn weights(&self, tree: &Hierarchy) -> Vec<f32> {
         let elements = self.mesh().elements().len();
         let magnitude = |e: usize| {
@@ -284,18 +297,11 @@ impl Hierarchical {
         }
         let is_first = self.gathered.iter().all(|&h| h == 0.0);
         let expected = self.expected_irradiance(tree.node(0).area);
-        let least = if is_first {
-            irradiance[0].max(expected)
-        } else {
-            DIM * irradiance[0]
-        };
+        let mean = irradiance[0].max(if is_first { expected } else { 0.0 });
         let all = tree.node(0).area;
         let nodes = tree.nodes().iter().zip(irradiance);
         nodes
-            .map(|(node, h)| {
-                let h = h.max(least).max(f32::MIN_POSITIVE.sqrt());
-                node.area / all / (h * h)
-            })
+            .map(|(node, h)| node.area / all * weight(if is_first { mean } else { h }, mean))
             .collect()
     }
 
@@ -521,6 +527,19 @@ fn check(
         ));
     }
     Ok(())
+}
+
+/// `1 / H²`: errors are relative to the light that is there. In the dark they are relative to the mean: backs of walls
+/// and insides of things that nobody sees are not worth the work that they would take.
+fn weight(irradiance: f32, mean: f32) -> f32 {
+    let least = DIM * mean;
+    let relative = if irradiance >= least {
+        irradiance
+    } else {
+        // It goes on from the limit, and falls to that of the mean.
+        least * least / irradiance.max(least * DIM)
+    };
+    1.0 / (relative * relative).max(1e-30)
 }
 
 /// A flux in proportion to two others that are known roughly; all of it to the second where they are not.

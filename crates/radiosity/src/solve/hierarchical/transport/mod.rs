@@ -121,8 +121,10 @@ impl Transport {
         }
         let (near, far) = facing_parts(&receiver, &source)?;
         let exchange = self.rules.exchange_of_parts(&near, &far);
-        let (areas, exposed) = (receiver.area() * source.area(), f64::from(s.area));
-        let factor = super::to_f32(exchange * exposed / areas);
+        // Of parts in front, what is exposed exchanges; where a part is no larger than that, it is taken to be it.
+        let open = |part: &FlatPolygon, node: &Node| (f64::from(node.area) / part.area()).min(1.0);
+        let opened = exchange * open(&near, r) * open(&far, s);
+        let factor = super::to_f32(opened / f64::from(r.area));
         if factor <= 0.0 {
             return None;
         }

@@ -1,9 +1,9 @@
 //! What stands between two nodes, by rays.
 //!
-//! Rays join points of both, which follow a sequence that is even in all four dimensions. Where all of them agree with
-//! each other and with those of the link above, a few are enough; else more are cast. Rays that agree leave a suspicion:
-//! there may be something that none of them met (the add-a-fraction rule of Laplace), so links that carry much are
-//! looked at more closely until there is no doubt that counts.
+//! Rays join points of both, which follow a sequence that is even in all four dimensions; pairs of points that do not
+//! face each other are passed over. A few rays are enough at first: what they leave open is an error of the link, and where
+//! it counts more are asked for. Rays that agree leave a suspicion, too: there may be something that none of them met (an
+//! estimate with pseudo-counts, as Laplace's), which is the less the more links above have seen the same.
 
 use super::super::cluster::{Hierarchy, Node, Shape};
 use super::super::link::Seen;
@@ -15,12 +15,12 @@ use core::f32::consts::PI;
 use glam::Vec3;
 use hemicube_raster::Rgb;
 
-/// Rays that are enough where they agree with those of the link above.
+/// Rays at first.
 const FEW: u32 = 4;
-/// Rays where they do not.
-const SOME: u32 = 16;
-/// Rays that one might have missed both kinds by.
-const SUSPICION: f32 = 0.1;
+/// Pairs of points that are tried for each ray.
+const TRIES: u32 = 4;
+/// Rays of each kind that one might have missed.
+const SUSPICION: f32 = 0.05;
 
 /// Two nodes that look at each other.
 pub(super) struct Sight<'a> {
@@ -42,27 +42,27 @@ pub(super) struct Evidence {
     passed: Rgb,
     /// Rays that were cast here.
     pub(super) cast: u32,
-    /// And rays of links above that say the same.
+    /// Rays that were asked for here, and those of links above that say the same.
+    asked: u32,
     before: u32,
 }
 
 impl Sight<'_> {
-    /// Casts rays: at least so many, and some more where they disagree.
-    pub(super) fn look(&self, known: Option<(Seen, u32)>, least: u32) -> Evidence {
-        let mut evidence = Evidence::default();
-        let least = least.max(FEW);
-        self.cast(&mut evidence, least);
-        let confirmed = known.filter(|&(seen, _)| seen == evidence.seen() && seen != Seen::Mixed);
-        match confirmed {
-            Some((_, rays)) => evidence.before = rays / 2,
-            None if least < SOME => self.cast(&mut evidence, SOME),
-            None => {}
+    /// Casts so many rays, or a few. `known` is what links above saw, and by how many.
+    pub(super) fn look(&self, known: Option<(Seen, u32)>, rays: u32) -> Evidence {
+        let mut evidence = self.cast(rays.max(FEW));
+        let is_confirmed = |seen| seen == evidence.seen() && seen != Seen::Mixed;
+        if let Some((_, rays)) = known.filter(|&(seen, _)| is_confirmed(seen)) {
+            evidence.before = rays / 2;
         }
         evidence
     }
 
-    /// Goes on to so many rays.
-    fn cast(&self, evidence: &mut Evidence, rays: u32) {
+    fn cast(&self, rays: u32) -> Evidence {
+        let mut evidence = Evidence {
+            asked: rays,
+            ..Evidence::default()
+        };
         let [receiver, source] = self.nodes.map(|node| self.tree.node(node));
         let visibility = self.mesh.visibility();
         let seed = hash(
@@ -71,23 +71,28 @@ impl Sight<'_> {
         );
         // Keeps the weight finite where both ends meet.
         let floor = receiver.area.min(source.area) / PI;
-        for ray in evidence.cast..rays {
-            let [u, v, s, t] = point4(ray, seed);
+        for pair in 0..rays.saturating_mul(TRIES) {
+            let [u, v, s, t] = point4(pair, seed);
             let (x, x_normal) = self.point(0, receiver, [u, v]);
             let (y, y_normal) = self.point(1, source, [s, t]);
             let squared = (y - x).length_squared();
             let weight = kernel(y - x, [x_normal, y_normal]) * squared / (squared + floor);
-            if weight > 0.0 {
-                let passed = visibility.transmittance(
-                    visibility.off_surface(y, y_normal),
-                    visibility.off_surface(x, x_normal),
-                );
-                evidence.weights += weight;
-                evidence.squares += weight * weight;
-                evidence.passed += passed * weight;
+            if weight <= 0.0 {
+                continue;
+            }
+            let passed = visibility.transmittance(
+                visibility.off_surface(y, y_normal),
+                visibility.off_surface(x, x_normal),
+            );
+            evidence.weights += weight;
+            evidence.squares += weight * weight;
+            evidence.passed += passed * weight;
+            evidence.cast += 1;
+            if evidence.cast == rays {
+                break;
             }
         }
-        evidence.cast = rays;
+        evidence
     }
 
     /// A point of an end for one of the unit square, and the normal there.
@@ -123,7 +128,7 @@ impl Evidence {
 
     /// Rays that say so.
     pub(super) fn rays(&self) -> u32 {
-        self.cast + self.before
+        self.asked + self.before
     }
 
     /// Share of light that gets through, in the band that gets most.
