@@ -26,7 +26,7 @@ mod transport;
 pub use statistics::{DrawnLink, LinkCounts};
 
 use self::cluster::Hierarchy;
-use self::link::Link;
+use self::link::{Link, Seen};
 use self::lost::Lost;
 use self::oracle::Oracle;
 use self::push_pull::Radiosity;
@@ -84,9 +84,10 @@ const SHARE_OF_ERROR: f64 = 0.05;
 const ROUNDING: f64 = 1e-6;
 /// Rays that tell what is lost of light as it starts, and of reflected light in each step.
 const FIRST_PROBES: u32 = 1 << 17;
-const PROBES: u32 = 1 << 15;
-/// Standard errors of what rays say is lost within which factors are believed.
-const BELIEVED: f64 = 2.0;
+const PROBES: u32 = 1 << 16;
+/// Standard errors of what rays say is lost within which factors are believed: where nothing stands between anything, and
+/// where something does.
+const BELIEVED: [f64; 2] = [5.0, 0.5];
 /// Largest relative correction of what arrives by what rays say is lost.
 const TRUSTED_CORRECTION: f64 = 0.2;
 /// Bytes of a node with its light, beside its channels.
@@ -111,6 +112,8 @@ pub struct Hierarchical {
     gathered: Vec<f32>,
     /// Radiosity that it came from.
     shot: Vec<f32>,
+    /// Whether all links are between cells that see all of each other.
+    is_clear: bool,
     is_positive: bool,
     /// Whether all its light is of this solver.
     is_new: bool,
@@ -156,6 +159,7 @@ impl Hierarchical {
             before: all_channels(&solution, Solution::irradiance),
             gathered: vec![0.0; start.len()],
             shot: vec![0.0; start.len()],
+            is_clear: false,
             is_new: solution.provenance.steps == 0,
             is_positive: start.iter().all(|&b| b >= 0.0),
             lost: [lost, Lost::nothing(channels)],
@@ -236,6 +240,7 @@ impl Hierarchical {
     fn close(&mut self, outgoing: &[f32], gathered: &mut [f32]) {
         let mesh = self.mesh().clone();
         let elements = mesh.elements().len();
+        let believed = BELIEVED[usize::from(!self.is_clear)];
         for channel in 0..self.channels() {
             let range = channel * elements..(channel + 1) * elements;
             let flux = |values: &[f32], kept: &dyn Fn(usize) -> f64| -> f64 {
@@ -257,7 +262,7 @@ impl Hierarchical {
             // Factors are believed as far as rays do not speak against them.
             let errors = self.lost.iter().zip(fluxes);
             let reach = errors.fold(0.0, |sum: f64, (lost, flux)| {
-                sum.hypot(BELIEVED * flux * lost.error(channel))
+                sum.hypot(believed * flux * lost.error(channel))
             });
             let (least, most) = (backs + escaped - reach, backs + escaped + reach);
             let gone = (sent - received).max(least).min(most);
@@ -340,6 +345,14 @@ impl Hierarchical {
             threshold: self.threshold,
         };
         refine::refine(&oracle, &mut self.links);
+    }
+
+    /// Whether nothing stands between anything that is linked.
+    fn sees_everything(&self, tree: &Hierarchy) -> bool {
+        let is_cell = |node: u32| !tree.node(node).is_cluster();
+        let sees = |link: &Link| is_cell(link.source) && link.seen().0 == Seen::Clear;
+        let mut of_nodes = (0..crate::index32(tree.len())).zip(&self.links);
+        of_nodes.all(|(id, links)| links.is_empty() || is_cell(id) && links.iter().all(sees))
     }
 
     /// What the oracle looks at.
@@ -443,6 +456,7 @@ impl Hierarchical {
         if wants_more && !self.is_at_limit {
             self.refine(transport);
         }
+        self.is_clear = self.sees_everything(transport.tree());
         self.gather(transport);
         self.estimate(transport);
         self.write();
