@@ -1,16 +1,16 @@
 //! Hierarchical radiosity with clustering (Hanrahan, Salzman, Aupperle 1991; Smits, Arvo, Greenberg 1994; Sillion 1995).
 //!
-//! Light goes over *links* between the nodes of a [hierarchy](cluster): elements lie below the cells of their face, faces
+//! Light goes over *links* between the nodes of a hierarchy: elements lie below the cells of their face, faces
 //! below clusters. Everything begins with one link, from the root to itself. A step
 //!
-//! 1. lowers the error that a link may have, and [refines](refine) those that have more ([`oracle`]),
-//! 2. gathers over all links, pulling radiosity up and pushing irradiance down ([`push_pull`]), until little is unshot.
+//! 1. lowers the error that a link may have, and refines those that have more (`oracle`),
+//! 2. gathers over all links, pulling radiosity up and pushing irradiance down (`push_pull`), until little is unshot.
 //!
 //! It ends where the errors of all links together are as small as wanted. So far things exchange light by few links, near
 //! ones by many; the number of links grows with that of the elements, not with its square, also where a scene is made of
 //! many small faces.
 //!
-//! Energy is kept: rays from where light leaves tell what is [lost] to backs and escapes, and what arrives is scaled to
+//! Energy is kept: rays from where light leaves tell what is lost to backs and escapes, and what arrives is scaled to
 //! the rest, since factors and visibility that are sampled do not sum to it exactly.
 
 mod cluster;

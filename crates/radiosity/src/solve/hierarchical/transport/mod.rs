@@ -31,7 +31,7 @@ const SHOWN: f32 = 0.35;
 /// Root mean square of `max(0, n·ω)` over directions.
 const COSINE: f32 = 0.41;
 /// Root mean square error of nine harmonics for a clamped cosine.
-const HARMONIC_ERROR: f32 = 0.05;
+const HARMONIC_ERROR: f32 = 0.036;
 /// Share of a linear change over a receiver that its slope may miss, beside what four points and the centre show.
 const SLOPE_ERROR: f32 = 0.1;
 
