@@ -1,7 +1,7 @@
 //! Whole solutions of the reference rooms, measured at their points: time and error side by side.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use hemicube::radiosity::{PatchOptions, Quality, SolveOptions, solve};
+use hemicube::radiosity::{PatchOptions, Quality, SolveOptions, SolverKind, solve};
 use hemicube::scene::builtin;
 use hemicube_benches::measured_error;
 use hemicube_tests::reference_points;
@@ -19,6 +19,18 @@ fn finer() -> SolveOptions {
     }
 }
 
+/// The same elements, each as good as the other's: all form factors between patches, and links.
+fn by(solver: SolverKind) -> SolveOptions {
+    SolveOptions {
+        mesh: PatchOptions::default()
+            .with_elements(4000)
+            .with_patches(1000),
+        noise: 0.015,
+        solver,
+        ..SolveOptions::default()
+    }
+}
+
 fn rooms(c: &mut Criterion) {
     let mut group = c.benchmark_group("solve and measure");
     group
@@ -28,6 +40,8 @@ fn rooms(c: &mut Criterion) {
         ("draft", Quality::Draft.into()),
         ("normal", SolveOptions::default()),
         ("finer", finer()),
+        ("full matrix", by(SolverKind::GaussSeidel)),
+        ("links", by(SolverKind::Hierarchical)),
     ];
     for (scene, bound) in [("cornell", 0.02), ("two-rooms", 0.03)] {
         let points = reference_points(scene);

@@ -8,6 +8,7 @@ mod failure;
 mod history;
 mod input;
 mod interrupt;
+mod links;
 mod output;
 mod picture;
 #[cfg(feature = "gpu")]

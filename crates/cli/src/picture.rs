@@ -4,13 +4,13 @@ use crate::args::{GlobalArgs, GpuArgs, PictureArgs, ProjectionKind};
 use crate::failure::Failure;
 use crate::output::Target;
 use crate::progress::Bar;
-use glam::Vec3;
+use glam::{DVec4, Vec3};
 use hemicube::radiosity::Solution;
 use hemicube::raster::environment::{EnvironmentMap, OpenMapError, map_files, open_map};
 use hemicube::raster::tonemap::Exposure;
 use hemicube::raster::triangle::Viewport;
 use hemicube::raster::{Image, Rgb};
-use hemicube::render::{Reflections, RenderOptions, Renderer, choose_camera};
+use hemicube::render::{Reflections, RenderOptions, Renderer, choose_camera, clip_from_world};
 use hemicube::scene::{Camera, FisheyeMapping, Projection, Scene};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -221,6 +221,37 @@ impl<'a> View<'a> {
     /// Pixels.
     pub fn size(&self) -> (usize, usize) {
         (self.options.width, self.options.height)
+    }
+
+    /// The ends in pixels of a segment, as far as it is in front of the eye; `None` if all of it is behind.
+    pub fn segment(&self, from: Vec3, to: Vec3) -> Result<Option<[[f64; 2]; 2]>, Failure> {
+        let projection = self.camera.projection;
+        if matches!(
+            projection,
+            Projection::Panorama | Projection::Fisheye { .. }
+        ) {
+            return Err(Failure::Usage(String::from(
+                "lines over a panorama or a fisheye's picture would be bent; choose --projection perspective",
+            )));
+        }
+        let (width, height) = (self.options.width as f64, self.options.height as f64);
+        let clip = clip_from_world(&self.camera, width / height, 1.0, 2.0);
+        let [a, b] = [from, to].map(|point| clip * point.as_dvec3().extend(1.0));
+        // Nothing nearer to the eye than a share of the segment.
+        let least = 1e-3 * a.w.abs().max(b.w.abs());
+        if a.w < least && b.w < least {
+            return Ok(None);
+        }
+        let cut = |near: DVec4, far: DVec4| near.lerp(far, (least - near.w) / (far.w - near.w));
+        let a = if a.w < least { cut(a, b) } else { a };
+        let b = if b.w < least { cut(b, a) } else { b };
+        let pixel = |p: DVec4| {
+            [
+                0.5 * width * (1.0 + p.x / p.w),
+                0.5 * height * (1.0 - p.y / p.w),
+            ]
+        };
+        Ok(Some([pixel(a), pixel(b)]))
     }
 
     /// Name of the camera.

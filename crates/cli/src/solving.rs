@@ -5,8 +5,10 @@ use crate::backend::{FORM_FACTORS, FactorsOf, chosen};
 use crate::failure::Failure;
 use crate::history::History;
 use crate::interrupt;
+use crate::links::LinksOf;
 use crate::progress::Bar;
 use hemicube::radiosity::backend::Backend;
+use hemicube::radiosity::solve::DrawnLink;
 use hemicube::radiosity::{self, Progress, Solution, SolveOptions};
 use hemicube::scene::Scene;
 use serde::Serialize;
@@ -39,6 +41,8 @@ pub struct Solved {
     pub stop: Stop,
     /// The way there, if it was asked for.
     pub history: Option<History>,
+    /// The strongest links of a hierarchical solver, if they were asked for.
+    pub links: Vec<DrawnLink>,
 }
 
 /// When to stop, and what to show until then.
@@ -48,6 +52,7 @@ pub struct Watch {
     limit: Option<Duration>,
     quiet: bool,
     keeps_history: bool,
+    keeps_links: bool,
     mesh: MeshArgs,
 }
 
@@ -59,6 +64,7 @@ impl Watch {
             limit: args.time,
             quiet,
             keeps_history: false,
+            keeps_links: false,
             mesh: args.mesh.clone(),
         }
     }
@@ -71,12 +77,23 @@ impl Watch {
         }
     }
 
+    /// Whether the links of a hierarchical solver are kept.
+    pub fn with_links(self, keeps_links: bool) -> Self {
+        Self {
+            keeps_links,
+            ..self
+        }
+    }
+
     /// Solves a scene from nothing.
     pub fn solve(&self, scene: Scene, options: SolveOptions) -> Result<Solved, Failure> {
         let backend = self.backend(self.mesh.uses_gpu(None))?;
-        self.work(0, options, |stop, go_on| {
-            let scene = Arc::new(scene);
-            radiosity::solve_on(scene, &options, &*self.stepped(&*backend), stop, go_on)
+        let stepped = self.stepped(&*backend);
+        self.linked(&*stepped, |backend| {
+            self.work(0, options, |stop, go_on| {
+                let scene = Arc::new(scene);
+                radiosity::solve_on(scene, &options, backend, stop, go_on)
+            })
         })
     }
 
@@ -85,8 +102,28 @@ impl Watch {
         let steps = solution.provenance.steps;
         let uses_gpu = self.mesh.uses_gpu(Some(&solution.provenance));
         let backend = self.backend(uses_gpu)?;
-        self.work(steps, options, |stop, go_on| {
-            radiosity::resume_on(solution, &options, &*self.stepped(&*backend), stop, go_on)
+        let stepped = self.stepped(&*backend);
+        self.linked(&*stepped, |backend| {
+            self.work(steps, options, |stop, go_on| {
+                radiosity::resume_on(solution, &options, backend, stop, go_on)
+            })
+        })
+    }
+
+    /// Works with a backend, and keeps the links if they are wanted.
+    fn linked(
+        &self,
+        backend: &dyn Backend,
+        work: impl FnOnce(&dyn Backend) -> Result<Solved, Failure>,
+    ) -> Result<Solved, Failure> {
+        if !self.keeps_links {
+            return work(backend);
+        }
+        let keeper = LinksOf::new(backend);
+        let solved = work(&keeper)?;
+        Ok(Solved {
+            links: keeper.into_links(),
+            ..solved
         })
     }
 
@@ -164,6 +201,7 @@ impl Watch {
             options,
             stop,
             history,
+            links: Vec::new(),
         })
     }
 

@@ -422,3 +422,25 @@ fn files_have_the_usual_permissions() {
     };
     assert_eq!(mode("lit.glb"), mode("plain"), "as any new file");
 }
+
+#[test]
+fn links_are_drawn_of_the_solver_that_has_them() {
+    let folder = Folder::new();
+    let solve = ["solve", "cornell", "--quality", "draft", "--solver"];
+    let links = |solver: &'static str, file: &'static str| {
+        let mut all = solve.to_vec();
+        all.extend([solver, "--links", file, "--size", "96x96"]);
+        all
+    };
+    for file in ["links.png", "links.svg"] {
+        folder.done(&links("hierarchical", file));
+    }
+    assert!(is_png(&folder.path("links.png")), "a picture");
+    let lines = folder.text("links.svg").matches("<polyline").count();
+    assert!(lines > 100, "{lines} lines");
+    let error = folder.fails(2, &links("shooting", "other.png"));
+    assert!(
+        error.contains("--links is of --solver hierarchical; shooting has none"),
+        "{error}"
+    );
+}

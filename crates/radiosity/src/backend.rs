@@ -5,7 +5,7 @@ use crate::form_factor::FormFactors;
 use crate::job::SolveOptions;
 use crate::patch::PatchMesh;
 use crate::solution::Solution;
-use crate::solve::{Order, Solver};
+use crate::solve::{Hierarchical, Order, Solver};
 use std::sync::Arc;
 
 /// A maker of form factors that may keep the light itself while it shoots.
@@ -35,6 +35,11 @@ pub trait Backend: Sync {
     ) -> Result<Shooter, RadiosityError> {
         let _ = (options, order);
         Ok(Shooter::None(Box::new(solution)))
+    }
+
+    /// Told of a hierarchical solver when it ends: its links are not kept in the solution.
+    fn finished(&self, solver: &Hierarchical) {
+        let _ = solver;
     }
 
     /// Whether the CPU may go on where the backend has failed. It is asked before the CPU takes over and at the end of
@@ -95,6 +100,10 @@ impl<B: Backend + ?Sized> Backend for &B {
         order: Order,
     ) -> Result<Shooter, RadiosityError> {
         (**self).shooting(solution, options, order)
+    }
+
+    fn finished(&self, solver: &Hierarchical) {
+        (**self).finished(solver);
     }
 
     fn verdict(&self) -> Result<(), RadiosityError> {

@@ -7,8 +7,8 @@ use crate::job::{SolverKind, Way};
 use crate::solution::Solution;
 use crate::solve::element_gathering::ElementGathering;
 use crate::solve::{
-    MatrixSolverKind, NotStarted, OnMatrix, Order, Progress, Shooting, Solver, Stochastic,
-    StochasticOptions, ambient_irradiance, run,
+    Hierarchical, HierarchicalOptions, MatrixSolverKind, NotStarted, OnMatrix, Order, Progress,
+    Shooting, Solver, Stochastic, StochasticOptions, ambient_irradiance, run,
 };
 use crate::stop::Stop;
 use hemicube_raster::Rgb;
@@ -72,7 +72,8 @@ pub fn converged(
 /// A step is what one row of form factors brings: a shot, or a patch that gathers. A sweep of Jacobi or Gauss-Seidel
 /// and a whole elimination count as many steps as there are patches, an iteration of conjugate gradients twice as
 /// many; until they are paid for, nothing new is shown. A stochastic solver casts 256 rays for each element of an average
-/// patch, and shows what its next whole step of them brings.
+/// patch, and shows what its next whole step of them brings; a hierarchical one casts as many between the nodes of its
+/// links.
 ///
 /// # Errors
 /// A matrix that takes more memory than allowed.
@@ -105,23 +106,55 @@ pub fn variant(
                 noise: f64::MIN_POSITIVE,
                 ..StochasticOptions::default()
             };
-            let elements = start.mesh().elements().len() as u64;
-            let price = u64::from(options.rays) * elements.div_ceil(patches);
+            let price = rays_of_step(&start);
             let solver = Stochastic::new(start, options)?;
+            follow(&mut ByRays { solver, price })
+        }
+        Way::Hierarchical => {
+            let options = HierarchicalOptions {
+                error: f64::MIN_POSITIVE,
+                ..HierarchicalOptions::default()
+            };
+            let price = rays_of_step(&start);
+            let solver = Hierarchical::new(start, options)?;
             follow(&mut ByRays { solver, price })
         }
     })
 }
 
+/// Rays that are worth a row of form factors: 256 for each element of an average patch.
+fn rays_of_step(start: &Solution) -> u64 {
+    let mesh = start.mesh();
+    let patches = mesh.patches().len() as u64;
+    256 * (mesh.elements().len() as u64).div_ceil(patches)
+}
+
 /// A solver without rows: a step pays for the rays of one that casts 256 for each element of a patch.
-struct ByRays {
-    solver: Stochastic,
+struct ByRays<S> {
+    solver: S,
     price: u64,
 }
 
-impl Work for ByRays {
+/// A solver that counts its rays.
+trait CastsRays: Solver {
+    fn cast(&self) -> u64;
+}
+
+impl CastsRays for Stochastic {
+    fn cast(&self) -> u64 {
+        self.rays()
+    }
+}
+
+impl CastsRays for Hierarchical {
+    fn cast(&self) -> u64 {
+        self.rays()
+    }
+}
+
+impl<S: CastsRays> Work for ByRays<S> {
     fn advance(&mut self, steps: u64) {
-        while self.solver.rays() < steps * self.price && !self.solver.is_exhausted() {
+        while self.solver.cast() < steps * self.price && !self.solver.is_exhausted() {
             self.solver.step();
         }
     }

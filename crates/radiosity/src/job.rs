@@ -12,8 +12,8 @@ use crate::patch::{PatchMesh, PatchOptions};
 use crate::primary::primary_irradiance_until;
 use crate::solution::{BANDS, Grouping, Provenance, Solution};
 use crate::solve::{
-    MatrixSolverKind, NotStarted, OnMatrix, Order, Progress, Shooting, Solver, Stochastic,
-    StochasticOptions, run,
+    Hierarchical, HierarchicalOptions, MatrixSolverKind, NotStarted, OnMatrix, Order, Progress,
+    Shooting, Solver, Stochastic, StochasticOptions, run,
 };
 use crate::stop::{NEVER, Stop};
 use hemicube_scene::Scene;
@@ -40,7 +40,8 @@ pub struct SolveOptions {
     pub seed: u64,
     /// Unshot share of the emitted flux at which the solution is finished. Default value: 5e-4.
     pub tolerance: f64,
-    /// Relative standard error of the irradiance at which [`SolverKind::Stochastic`] is finished. Default value: 0.03.
+    /// Relative error of the irradiance at which [`SolverKind::Stochastic`] and [`SolverKind::Hierarchical`] are finished,
+    /// by their estimates. Default value: 0.03.
     pub noise: f64,
     /// Most steps: shots, or steps of a matrix method ([`OnMatrix`]). Default value: none.
     pub max_steps: Option<u64>,
@@ -48,7 +49,7 @@ pub struct SolveOptions {
     pub solver: SolverKind,
     /// Which emitters share a channel. Default value: all.
     pub grouping: Grouping,
-    /// Most bytes that solvers on a matrix may take for it and what they make of it. Default value: 2 GiB.
+    /// Most bytes that solvers on a matrix may take for it and what they make of it, or links may take. Default value: 2 GiB.
     pub memory_limit: usize,
 }
 
@@ -78,11 +79,13 @@ pub enum SolverKind {
     ConjugateGradient,
     /// Light is carried by rays; the cost does not grow with the square of the scene.
     Stochastic,
+    /// Links between clusters, faces and parts of faces, refined where they carry error.
+    Hierarchical,
 }
 
 impl SolverKind {
     /// All of them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Gauss,
         Self::Jacobi,
         Self::GaussSeidel,
@@ -94,6 +97,7 @@ impl SolverKind {
         Self::Overshooting,
         Self::ConjugateGradient,
         Self::Stochastic,
+        Self::Hierarchical,
     ];
 
     /// Name on the command line and in reports.
@@ -110,6 +114,7 @@ impl SolverKind {
             Self::Overshooting => "overshooting",
             Self::ConjugateGradient => "conjugate-gradient",
             Self::Stochastic => "stochastic",
+            Self::Hierarchical => "hierarchical",
         }
     }
 
@@ -138,6 +143,7 @@ impl SolverKind {
             Self::SortedShooting | Self::AmbientShooting => Way::Shooting(Order::Sorted),
             Self::Overshooting => Way::Shooting(Order::Overshooting),
             Self::Stochastic => Way::Stochastic,
+            Self::Hierarchical => Way::Hierarchical,
         }
     }
 }
@@ -151,6 +157,8 @@ pub enum Way {
     OnMatrix(MatrixSolverKind),
     /// Rays alone.
     Stochastic,
+    /// Links, some tens for each element.
+    Hierarchical,
 }
 
 /// Presets for people who want no other knob.
@@ -271,6 +279,17 @@ impl SolveOptions {
             tolerance: self.tolerance,
             seed: self.seed,
             ..StochasticOptions::default()
+        }
+    }
+
+    /// What [`SolverKind::Hierarchical`] is told.
+    pub fn hierarchical_options(&self) -> HierarchicalOptions {
+        HierarchicalOptions {
+            error: self.noise,
+            tolerance: self.tolerance,
+            seed: self.seed,
+            memory_limit: self.memory_limit,
+            ..HierarchicalOptions::default()
         }
     }
 
@@ -445,6 +464,15 @@ pub fn resume_on(
             run(&mut solver, options.tolerance, go_on);
             let rays = solver.rays();
             noise = solver.known_noise();
+            (solver.into_solution(), rays)
+        }
+        Way::Hierarchical => {
+            name = String::from("links");
+            let mut solver = Hierarchical::new(solution, options.hierarchical_options())?;
+            run(&mut solver, options.tolerance, go_on);
+            backend.finished(&solver);
+            let rays = solver.rays();
+            noise = solver.known_error();
             (solver.into_solution(), rays)
         }
         Way::OnMatrix(kind) => {

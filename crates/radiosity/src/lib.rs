@@ -23,7 +23,9 @@
 //! [`form_factor::estimate`] gives single factors with their standard errors. [`Shooting`] and overshooting
 //! need no matrix; [`solve::on_matrix`] runs the others on a [`form_factor::matrix`]; [`form_factor::surfaces`] sums one over faces or
 //! objects, with covers that lie on surfaces, and finds surfaces that lie in one place; [`export::view_factors`] writes it
-//! for thermal models. [`Stochastic`] stores no factor at all: rays carry the light, and their noise is told. What does not fit into memory is refused by a sample of pairs, before rows are computed. Radiosity is constant on an element.
+//! for thermal models. [`Stochastic`] stores no factor at all: rays carry the light, and their noise is told. [`Hierarchical`] links clusters,
+//! faces and parts of faces, as finely as the error that it estimates wants; light that it gathered over coarse links stays
+//! as it is where a stored solution is resumed. What does not fit into memory is refused by a sample of pairs, before rows are computed. Radiosity is constant on an element.
 //! Coordinates are f32: a scene more than a hundred times its size away from the origin loses percents. Light that is
 //! not emitted by surfaces (sun, points) does not get more rays for its first reflection than other reflected light.
 //! Functions behind the doors ([`solve()`], [`PatchMesh::build`]) panic only on indices that are not of the mesh.
@@ -58,7 +60,10 @@ pub use job::{
 pub use patch::edit::MaterialEdit;
 pub use patch::{NodeId, PatchMesh, PatchOptions};
 pub use solution::{EnergyBalance, Grouping, Solution};
-pub use solve::{Order, Progress, Shooting, Solver, Stage, Stages, Stochastic, StochasticOptions};
+pub use solve::{
+    Hierarchical, HierarchicalOptions, Order, Progress, Shooting, Solver, Stage, Stages,
+    Stochastic, StochasticOptions,
+};
 pub use visibility::Visibility;
 
 /// Index as the 32-bit number that arrays of ids hold.

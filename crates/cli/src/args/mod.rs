@@ -102,6 +102,7 @@ Examples:
   hemicube solve room.glb -o lit.glb --emit 'lamp*=3000' --quality final --time 10m
   hemicube solve --resume lit.glb -o better.glb --tolerance 1e-4 --solver conjugate-gradient
   hemicube solve cornell --solver overshooting --convergence history.png
+  hemicube solve conference-room --solver hierarchical --image room.png --links links.png
 
 Without -o and --image only the report is printed. Ctrl-C stops and writes what has been reached (exit code 0, or 130 if there is no file to write); a second Ctrl-C ends \
 at once.";
@@ -122,6 +123,10 @@ pub struct SolveVerb {
     /// History of the solver to write: step, seconds, unshot share, residual, error; a table, or curves
     #[arg(long, value_name = "FILE.csv|.png|.svg")]
     pub convergence: Option<PathBuf>,
+    /// The 400 strongest links of --solver hierarchical to write, lines over the picture or alone; warm colours are of
+    /// clusters, cold ones of small parts
+    #[arg(long, value_name = "FILE.png|.svg")]
+    pub links: Option<PathBuf>,
     /// Go on with the solution in a lit .glb instead of starting afresh; mesh and scene are those of the file
     #[arg(long, value_name = "LIT.glb")]
     pub resume: Option<PathBuf>,

@@ -17,6 +17,8 @@ Way to the equilibrium [default: auto]
   auto                ambient-shooting, or stochastic for more than 40,000 elements; says which
 Rays alone; time grows with the scene, not with its square:
   stochastic          direct light by shadow rays from every element, the rest shot by rays until --noise is reached
+Links between clusters, faces and their parts; time and memory grow with the scene, not with its square:
+  hierarchical        links are refined where they carry error, until its estimate is at --noise
 Shooting needs no matrix, and what it has reached can be drawn at any time:
   shooting            patches shoot in the order of the mesh
   sorted-shooting     the patch with most unshot light shoots
@@ -104,17 +106,19 @@ pub struct SolveArgs {
     /// Finished when this share of the emitted light has not been shot yet [default: 5e-4]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = parse::tolerance)]
     pub tolerance: Option<f64>,
-    /// For --solver stochastic: finished at this relative standard error of the irradiance, root mean square over the
-    /// elements that get more than a hundredth of the mean [default: 0.03]
+    /// For --solver stochastic and hierarchical: finished at this relative error of the irradiance by their own estimate,
+    /// root mean square over the elements; of stochastic, those that get more than a hundredth of the mean [default: 0.03]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = parse::noise)]
     pub noise: Option<f64>,
-    /// At most so many steps (shots; sweeps, patches or blocks of columns on a matrix) [default: no limit]
+    /// At most so many steps (shots; sweeps, patches or blocks of columns on a matrix; refinements of links) [default: no
+    /// limit]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub iterations: Option<u64>,
     /// Stop after this time since the program's start: 30s, 2m, 1h [default: no limit]
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     pub time: Option<Duration>,
-    /// Most memory in MiB for the matrix of solvers that work on one [default: 2048, or what is free if that is less]
+    /// Most memory in MiB for the matrix of solvers that work on one, or for links [default: 2048, or what is free if that
+    /// is less]
     #[arg(long, value_name = "MIB", allow_negative_numbers = true, value_parser = parse::whole::<u32>(1..=1 << 24))]
     pub matrix_memory: Option<u32>,
 }

@@ -48,9 +48,9 @@ fn options_of(
 ) -> Result<SolveOptions, Failure> {
     let options = solve.options(scene);
     let is_stochastic = options.solver == SolverKind::Stochastic;
-    if solve.noise.is_some() && !is_stochastic {
+    if solve.noise.is_some() && !is_stochastic && options.solver != SolverKind::Hierarchical {
         return Err(Failure::Usage(format!(
-            "--noise is of --solver stochastic; {} has none",
+            "--noise is of --solver stochastic and hierarchical; {} has none",
             options.solver.name()
         )));
     }

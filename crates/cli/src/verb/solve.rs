@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::history;
 use crate::input::Input;
 use crate::interrupt;
+use crate::links;
 use crate::output::{Target, print, print_json};
 use crate::picture;
 use crate::report::{Report, peak_memory};
@@ -47,8 +48,9 @@ pub fn run(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<(), F
 
 fn solve(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<Solved, Failure> {
     let of_solver = args.solve.without_gpu_of_picture(args.picture.uses_gpu());
-    let watch =
-        Watch::new(&of_solver, global.quiet, start).with_history(args.convergence.is_some());
+    let watch = Watch::new(&of_solver, global.quiet, start)
+        .with_history(args.convergence.is_some())
+        .with_links(args.links.is_some());
     let Some(lit) = &args.resume else {
         let path = args
             .scene
@@ -68,6 +70,7 @@ fn solve(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<Solved,
         picture::check(&scene, &args.picture)?;
         let options = options_of(&args.solve, &scene, global)?;
         refuse_misplaced(&args.solve.mesh, &options, &scene)?;
+        refuse_links(args, options.solver)?;
         return watch.solve(scene, options);
     };
     refuse_changes(args, lit)?;
@@ -77,6 +80,7 @@ fn solve(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<Solved,
     if let Some(what) = args.solve.mesh.misplaced_in_steps(options.form_factors) {
         return Err(Failure::Usage(what));
     }
+    refuse_links(args, options.solver)?;
     let unshot = solution.unshot_fraction();
     if unshot <= options.tolerance {
         let (unshot, tolerance) = (percent(unshot), options.tolerance);
@@ -88,6 +92,17 @@ fn solve(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<Solved,
         );
     }
     watch.resume(solution, options)
+}
+
+/// Links are of one solver.
+fn refuse_links(args: &SolveVerb, solver: SolverKind) -> Result<(), Failure> {
+    if args.links.is_some() && solver != SolverKind::Hierarchical {
+        return Err(Failure::Usage(format!(
+            "--links is of --solver hierarchical; {} has none",
+            solver.name()
+        )));
+    }
+    Ok(())
 }
 
 /// With `--resume` scene and mesh are those of the file.
@@ -148,6 +163,7 @@ struct Targets {
     lit: Option<Target>,
     image: Option<Target>,
     convergence: Option<Target>,
+    links: Option<Target>,
 }
 
 impl Targets {
@@ -167,8 +183,13 @@ impl Targets {
             .as_deref()
             .map(|path| Target::check(path, history::ENDINGS))
             .transpose()?;
+        let links = args
+            .links
+            .as_deref()
+            .map(|path| Target::check(path, links::ENDINGS))
+            .transpose()?;
         let view = args.picture.view_given();
-        if image.is_none() && !view.is_empty() {
+        if image.is_none() && links.is_none() && !view.is_empty() {
             return Err(Failure::Usage(format!(
                 "{} without a picture; name one with --image FILE.png",
                 view.join(", ")
@@ -185,6 +206,7 @@ impl Targets {
             lit,
             image,
             convergence,
+            links,
         })
     }
 
@@ -209,6 +231,10 @@ impl Targets {
             let gpu = &args.solve.mesh.gpu;
             picture::View::new(solution, &args.picture)?.draw(solution, target, gpu, global)?;
         }
+        if let Some(target) = &self.links {
+            let view = picture::View::new(solution, &args.picture)?;
+            links::write(&solved.links, solution, &view, target)?;
+        }
         if let (Some(target), Some(history)) = (&self.convergence, &solved.history) {
             history.write(solution, target)?;
         }
@@ -216,7 +242,7 @@ impl Targets {
     }
 
     fn names(&self) -> Vec<String> {
-        [&self.lit, &self.image, &self.convergence]
+        [&self.lit, &self.image, &self.convergence, &self.links]
             .into_iter()
             .flatten()
             .map(|t| t.path.display().to_string())

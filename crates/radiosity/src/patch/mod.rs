@@ -360,6 +360,12 @@ impl PatchMesh {
         (patch != NONE).then_some(patch as usize)
     }
 
+    /// Position in [`Self::elements`] of a node, if it is one of them.
+    pub fn element_of_node(&self, id: NodeId) -> Option<usize> {
+        let element = *self.element_of_node.get(id.index())?;
+        (element != NONE).then_some(element as usize)
+    }
+
     /// Positions in [`Self::elements`] of a patch's elements; they are consecutive.
     pub fn elements_of_patch(&self, patch: usize) -> core::ops::Range<usize> {
         let range = &self.elements_of_patch[patch];

@@ -9,6 +9,7 @@
 //! | [`GaussSeidel`] (Cohen, Greenberg 1985), [`Gathering`] | patches gather one after the other; one a step | matrix |
 //! | [`Southwell`] (Gortler, Cohen, Slusallek 1994), [`Overshooting`] | the patch with the largest residual is relaxed | matrix twice |
 //! | [`ConjugateGradient`] (van der Vorst 1992) | a descent in all patches | matrix |
+//! | [`Hierarchical`] (Hanrahan, Salzman, Aupperle 1991; Sillion 1995) | links are refined, then all gather | links, some tens an element |
 //! | [`Stochastic`] (Neumann 1995; Bekaert 1999) | everything is shot by rays | rays alone |
 //!
 //! [`OnMatrix`] runs those on a matrix as a [`Solver`] of a [`Solution`]; [`MatrixRun`] runs them on plain vectors. To
@@ -24,6 +25,7 @@ pub mod gathering;
 pub mod gauss;
 mod gauss_blocked;
 pub mod gauss_seidel;
+pub mod hierarchical;
 pub mod jacobi;
 mod max_tree;
 pub mod on_matrix;
@@ -40,6 +42,7 @@ pub use element_gathering::ElementGathering;
 pub use gathering::Gathering;
 pub use gauss::Gauss;
 pub use gauss_seidel::GaussSeidel;
+pub use hierarchical::{DrawnLink, Hierarchical, HierarchicalOptions, LinkCounts};
 pub use jacobi::Jacobi;
 pub use on_matrix::{NotStarted, OnMatrix};
 pub use overshooting::Overshooting;
@@ -92,7 +95,7 @@ pub struct Progress {
     pub unshot: f64,
     /// Largest share of the emitted flux that one patch has still to shoot.
     pub residual: f64,
-    /// Relative standard error of the irradiance, of solvers that draw lots ([`Stochastic::noise`]).
+    /// Relative error of the irradiance, of solvers that estimate it ([`Stochastic::noise`], [`Hierarchical::error`]).
     pub noise: Option<f64>,
 }
 

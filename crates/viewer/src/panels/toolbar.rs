@@ -115,6 +115,7 @@ pub fn solver_label(kind: SolverKind) -> &'static str {
         SolverKind::Overshooting => "Overshooting",
         SolverKind::ConjugateGradient => "Conjugate gradients",
         SolverKind::Stochastic => "By rays alone",
+        SolverKind::Hierarchical => "By links",
     }
 }
 

@@ -10,7 +10,8 @@ use hemicube_radiosity::solve::{
 };
 use hemicube_radiosity::stop::Stop;
 use hemicube_radiosity::{
-    Progress, RadiosityError, Shooting, Solution, SolveOptions, Solver, SolverKind, Stochastic, Way,
+    Hierarchical, Progress, RadiosityError, Shooting, Solution, SolveOptions, Solver, SolverKind,
+    Stochastic, Way,
 };
 use hemicube_raster::Rgb;
 use std::sync::Arc;
@@ -46,6 +47,7 @@ enum Work<'a> {
     Gathering(Box<Gathering>),
     Matrix(Box<Priced<'a>>),
     Rays(Box<Stochastic>),
+    Links(Box<Hierarchical>),
     /// It was told to stop before it could start.
     Waiting(Box<Solution>),
 }
@@ -102,6 +104,7 @@ impl<'a> Lane<'a> {
                 Work::Shooting(solver) => solver.into_solution(),
                 Work::Matrix(priced) => priced.solver.into_solution(),
                 Work::Rays(solver) => solver.into_solution(),
+                Work::Links(solver) => solver.into_solution(),
                 Work::Device(mut solver) => {
                     solver.settle();
                     solver.solution().clone()
@@ -127,6 +130,7 @@ impl<'a> Lane<'a> {
             Work::Device(solver) => drop(solver.step()),
             Work::Gathering(gathering) => gathering.step(),
             Work::Rays(solver) => drop(solver.step()),
+            Work::Links(solver) => drop(solver.step()),
             Work::Matrix(priced) => priced.step(),
             Work::Waiting(_) => {}
         }
@@ -141,6 +145,7 @@ impl<'a> Lane<'a> {
             Work::Gathering(gathering) => gathering.progress(),
             Work::Matrix(priced) => priced.solver.progress(),
             Work::Rays(solver) => solver.progress(),
+            Work::Links(solver) => solver.progress(),
             Work::Waiting(solution) => Progress {
                 iteration: solution.provenance.steps,
                 unshot: 1.0,
@@ -153,14 +158,13 @@ impl<'a> Lane<'a> {
     /// Whether further steps would change nothing that is seen.
     pub fn is_finished(&self) -> bool {
         let progress = self.progress();
-        if let Work::Rays(solver) = &self.work {
-            return solver.is_finished(self.tolerance);
-        }
         let is_exhausted = match &self.work {
+            Work::Rays(solver) => return solver.is_finished(self.tolerance),
+            Work::Links(solver) => return solver.is_finished(self.tolerance),
             Work::Shooting(solver) => solver.is_exhausted(),
             Work::Device(solver) => solver.is_exhausted(),
             Work::Matrix(priced) => priced.solver.is_exhausted(),
-            Work::Gathering(_) | Work::Waiting(_) | Work::Rays(_) => false,
+            Work::Gathering(_) | Work::Waiting(_) => false,
         };
         progress.unshot <= self.tolerance || progress.residual <= 0.0 || is_exhausted
     }
@@ -170,7 +174,11 @@ impl<'a> Lane<'a> {
         match &self.work {
             Work::Shooting(solver) => Some(solver.next_patch()),
             Work::Gathering(gathering) => Some(gathering.next()),
-            Work::Device(_) | Work::Matrix(_) | Work::Rays(_) | Work::Waiting(_) => None,
+            Work::Device(_)
+            | Work::Matrix(_)
+            | Work::Rays(_)
+            | Work::Links(_)
+            | Work::Waiting(_) => None,
         }
     }
 
@@ -185,6 +193,7 @@ impl<'a> Lane<'a> {
             Work::Gathering(gathering) => gathering.run.shown().clone(),
             Work::Matrix(priced) => priced.shown(),
             Work::Rays(solver) => solver.solution().clone(),
+            Work::Links(solver) => solver.solution().clone(),
             Work::Waiting(solution) => (**solution).clone(),
         }
     }
@@ -232,6 +241,13 @@ fn start<'a>(
             let kept = solution.clone();
             match Stochastic::new(solution, tools.options.stochastic_options()) {
                 Ok(solver) => Ok(Work::Rays(Box::new(solver))),
+                Err(error) => Err((error, Box::new(kept))),
+            }
+        }
+        Way::Hierarchical => {
+            let kept = solution.clone();
+            match Hierarchical::new(solution, tools.options.hierarchical_options()) {
+                Ok(solver) => Ok(Work::Links(Box::new(solver))),
                 Err(error) => Err((error, Box::new(kept))),
             }
         }
