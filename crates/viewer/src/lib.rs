@@ -36,6 +36,7 @@ pub mod prefs;
 pub mod run;
 pub mod session;
 pub mod theme;
+pub mod trial;
 pub mod walk;
 
 pub use app::{ViewOptions, Viewer};

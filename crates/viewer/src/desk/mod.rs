@@ -19,7 +19,7 @@ use crate::session::{Command, LaneView, Mixer, Session, Snapshot, Source, Status
 use crate::walk::{Body, Eye, EyeMode, Path};
 use glam::Vec3;
 use hemicube_raster::Rgb;
-use hemicube_scene::Scene;
+use hemicube_scene::{Scene, SceneOptions};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -49,6 +49,8 @@ pub struct Desk {
     pub light_serial: u64,
     /// Factor on all light that the picture shows.
     pub exposure: f32,
+    /// Top of the scale of false colours, in lx.
+    pub scale_top: f32,
     /// Where one looks from.
     pub eye: Eye,
     /// Speed downwards of one who falls.
@@ -104,11 +106,13 @@ pub struct Desk {
     moved: Option<Instant>,
     /// The scene as its file has it.
     original: Option<Arc<Scene>>,
-    /// What the exposure was worked out for.
+    /// What the exposure and the scale were worked out for.
     exposed: Option<(u64, Display)>,
     /// The scene that one stands in, by what it was opened by.
     entered: Option<String>,
     watch: Watch,
+    /// Name of the camera that the next scene is entered by.
+    pub camera: Option<String>,
     wake: Wake,
 }
 
@@ -136,12 +140,12 @@ pub struct Notice {
 }
 
 impl Desk {
-    /// A desk with a scene on its way.
-    pub fn new(prefs: Prefs, scene: &str, wake: Wake) -> Self {
+    /// A desk without a scene.
+    pub fn new(prefs: Prefs, wake: Wake) -> Self {
         let session = Session::start(prefs.settings);
         let awake = wake.clone();
         session.wake_by(move || awake());
-        let mut desk = Self {
+        Self {
             session,
             prefs,
             snapshot: None,
@@ -149,6 +153,7 @@ impl Desk {
             panes: Vec::new(),
             light_serial: 0,
             exposure: 1.0,
+            scale_top: 1.0,
             eye: Eye {
                 position: Vec3::ZERO,
                 yaw: 0.0,
@@ -187,10 +192,9 @@ impl Desk {
             exposed: None,
             entered: None,
             watch: Watch::default(),
+            camera: None,
             wake,
-        };
-        desk.open(scene);
-        desk
+        }
     }
 
     /// Takes over what is new; to be called once a frame.
@@ -278,6 +282,7 @@ impl Desk {
         let wanted = Some((self.light_serial, self.prefs.display));
         if self.exposed != wanted {
             self.exposure = self.exposure_factor();
+            self.scale_top = self.top_of_scale();
             self.exposed = wanted;
         }
     }
@@ -360,12 +365,20 @@ impl Desk {
 
     /// Opens a file or a built-in scene, or goes on with a session.
     pub fn open(&mut self, name: &str) {
+        self.open_changed(name, None);
+    }
+
+    /// Opens a file or a built-in scene with changes.
+    pub fn open_changed(&mut self, name: &str, changes: Option<SceneOptions>) {
         if Document::is_named(name) && std::path::Path::new(name).is_file() {
             self.open_document(name);
             return;
         }
         self.pending = None;
-        self.session
-            .send(Command::Open(Source::Named(name.to_owned())));
+        let name = name.to_owned();
+        self.session.send(Command::Open(match changes {
+            Some(changes) => Source::Adjusted(name, Box::new(changes)),
+            None => Source::Named(name),
+        }));
     }
 }

@@ -2,16 +2,15 @@
 
 use crate::desk::Desk;
 use crate::display::Quantity;
+use crate::draw::PanePaint;
 use crate::format::number;
 use crate::panels::hemicube::display_color;
 use crate::panels::toolbar::solver_label;
 use crate::panes::Tiling;
 use crate::theme::LINES;
 use crate::walk::EyeMode;
-use egui::{
-    Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextureId, Ui,
-    Vec2,
-};
+use egui::{Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
+use egui_wgpu::Callback;
 use hemicube_raster::colormap::Colormap;
 
 /// Radians that the eye turns by while the pointer crosses the height of the picture.
@@ -68,7 +67,7 @@ pub fn view(
     desk: &mut Desk,
     rect: Rect,
     tiles: &[Tile],
-    pictures: &[Option<TextureId>],
+    pictures: &[Option<PanePaint>],
 ) {
     let response = ui.interact(rect, ui.scope_id().with("picture"), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "picture"));
@@ -88,9 +87,9 @@ pub fn view(
         painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
     }
     for (tile, picture) in tiles.iter().zip(pictures) {
-        if let Some(id) = picture {
-            let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-            painter.image(*id, tile.rect, uv, Color32::WHITE);
+        if let Some(picture) = picture {
+            let shown = Callback::new_paint_callback(tile.rect, picture.clone());
+            painter.add(shown);
         }
     }
     titles(&painter, desk, tiles);
@@ -169,17 +168,20 @@ fn titles(painter: &egui::Painter, desk: &Desk, tiles: &[Tile]) {
 fn plate(painter: &egui::Painter, at: Pos2, text: &str, color: Color32) -> Rect {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), color);
     let rect = Rect::from_min_size(at, galley.size() + Vec2::new(14.0, 6.0));
-    painter.rect_filled(rect, 4.0, Color32::from_black_alpha(170));
+    painter.rect_filled(rect, 4.0, Color32::from_black_alpha(205));
     painter.galley(at + Vec2::new(7.0, 3.0), galley, color);
     rect
 }
 
 /// A ring around the selected point, with its illuminance.
 fn marks(painter: &egui::Painter, desk: &Desk, tiles: &[Tile]) {
-    let Some(reading) = &desk.selection else {
+    let (Some(reading), Some(snapshot)) = (&desk.selection, &desk.snapshot) else {
         return;
     };
-    for tile in tiles {
+    let units = snapshot.mesh().scene().units;
+    for (tile, pane) in tiles.iter().zip(&desk.panes) {
+        let irradiance = reading.element.map(|e| pane.light.irradiance[e]);
+        let illuminance = irradiance.map_or(reading.illuminance, |h| units.illuminance(h));
         let camera = desk.eye.camera("view");
         let to = reading.point - camera.eye;
         let depth = to.dot(camera.forward);
@@ -193,7 +195,7 @@ fn marks(painter: &egui::Painter, desk: &Desk, tiles: &[Tile]) {
         if tile.rect.contains(at) {
             painter.circle_stroke(at, 6.0, Stroke::new(3.0, Color32::from_black_alpha(160)));
             painter.circle_stroke(at, 6.0, Stroke::new(1.5, Color32::WHITE));
-            let text = format!("{} lx", number(f64::from(reading.illuminance)));
+            let text = format!("{} lx", number(f64::from(illuminance)));
             plate(painter, at + Vec2::new(12.0, -11.0), &text, Color32::WHITE);
         }
     }
@@ -201,7 +203,7 @@ fn marks(painter: &egui::Painter, desk: &Desk, tiles: &[Tile]) {
 
 /// The scale of false colours.
 fn legend(painter: &egui::Painter, desk: &Desk, rect: Rect) {
-    let top = desk.scale_top();
+    let top = desk.scale_top;
     let size = Vec2::new(14.0, (0.5 * rect.height()).clamp(80.0, 260.0));
     let bar = Rect::from_min_size(rect.left_bottom() + Vec2::new(16.0, -16.0 - size.y), size);
     painter.rect_filled(

@@ -2,7 +2,7 @@
 
 use hemicube_radiosity::form_factor::FormFactorKind;
 use hemicube_radiosity::form_factor::hemicube::HemicubeOptions;
-use hemicube_radiosity::{Grouping, Quality, SolveOptions, SolverKind};
+use hemicube_radiosity::{Grouping, PatchOptions, Quality, SolveOptions, SolverKind};
 use serde::{Deserialize, Serialize};
 
 /// The four ways of the textbook, in the order of its figure.
@@ -46,6 +46,42 @@ impl FactorsBy {
     }
 }
 
+/// Sizes or numbers of patches and elements, as [`PatchOptions`] has them.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MeshSizes {
+    /// Longest edge of a patch. Default value: none.
+    pub patch_size: Option<f32>,
+    /// Longest edge of an element. Default value: none.
+    pub element_size: Option<f32>,
+    /// Patches to aim at. Default value: none.
+    pub patches: Option<usize>,
+    /// Elements to aim at. Default value: none.
+    pub elements: Option<usize>,
+}
+
+impl From<PatchOptions> for MeshSizes {
+    fn from(options: PatchOptions) -> Self {
+        Self {
+            patch_size: options.patch_size,
+            element_size: options.element_size,
+            patches: options.patches,
+            elements: options.elements,
+        }
+    }
+}
+
+impl From<MeshSizes> for PatchOptions {
+    fn from(sizes: MeshSizes) -> Self {
+        Self {
+            patch_size: sizes.patch_size,
+            element_size: sizes.element_size,
+            patches: sizes.patches,
+            elements: sizes.elements,
+        }
+    }
+}
+
 /// How the light is found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -58,6 +94,8 @@ pub struct Settings {
     pub factors: FactorsBy,
     /// Position of the preset in [`Quality::ALL`].
     quality: usize,
+    /// Another mesh than the preset's. Default value: none.
+    pub mesh: Option<MeshSizes>,
     /// Unshot share of the emitted flux at which the light counts as found. Default value: 1e-4.
     pub tolerance: f64,
     /// Whether emitters are solved each on their own, so that they can be dimmed. Default value: yes.
@@ -71,6 +109,7 @@ impl Default for Settings {
             side_by_side: false,
             factors: FactorsBy::default(),
             quality: 1,
+            mesh: None,
             tolerance: 1e-4,
             by_source: true,
         }
@@ -88,11 +127,20 @@ impl Settings {
         }
     }
 
-    /// Another preset for the mesh. Default value: normal.
+    /// Another preset for the mesh, in place of sizes. Default value: normal.
     pub fn with_quality(self, quality: Quality) -> Self {
         let place = Quality::ALL.iter().position(|&other| other == quality);
         Self {
             quality: place.unwrap_or(0),
+            mesh: None,
+            ..self
+        }
+    }
+
+    /// Another mesh than the preset's.
+    pub fn with_mesh(self, mesh: MeshSizes) -> Self {
+        Self {
+            mesh: Some(mesh),
             ..self
         }
     }
@@ -139,12 +187,15 @@ impl Settings {
 
     /// Whether other settings ask for another mesh or other groups.
     pub fn wants_other_mesh(&self, other: &Self) -> bool {
-        (self.quality(), self.by_source) != (other.quality(), other.by_source)
+        let mesh = |s: &Self| (s.quality(), s.mesh, s.by_source);
+        mesh(self) != mesh(other)
     }
 
     /// As the solver's options.
     pub fn solve_options(&self) -> SolveOptions {
+        let preset = SolveOptions::from(self.quality());
         SolveOptions {
+            mesh: self.mesh.map_or(preset.mesh, PatchOptions::from),
             form_factors: self.factors.kind(),
             solver: self.solver(),
             tolerance: self.tolerance,
@@ -154,7 +205,38 @@ impl Settings {
             } else {
                 Grouping::Together
             },
-            ..self.quality().into()
+            ..preset
+        }
+    }
+}
+
+/// What somebody wants to be otherwise; the rest stays as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Asked {
+    /// Preset of the mesh. Default value: none.
+    pub quality: Option<Quality>,
+    /// Mesh in place of the preset's. Default value: none.
+    pub mesh: Option<MeshSizes>,
+    /// Way to the equilibrium. Default value: none.
+    pub solver: Option<SolverKind>,
+    /// What computes form factors. Default value: none.
+    pub factors: Option<FactorsBy>,
+    /// Unshot share at which the light counts as found. Default value: none.
+    pub tolerance: Option<f64>,
+}
+
+impl Asked {
+    /// Settings with what was asked for.
+    pub fn in_settings(&self, settings: Settings) -> Settings {
+        let mut asked = settings;
+        if let Some(quality) = self.quality {
+            asked = asked.with_quality(quality);
+        }
+        Settings {
+            mesh: self.mesh.or(asked.mesh),
+            factors: self.factors.unwrap_or(asked.factors),
+            tolerance: self.tolerance.unwrap_or(asked.tolerance),
+            ..asked.with_solver(self.solver.unwrap_or(asked.solver()))
         }
     }
 }
@@ -170,6 +252,24 @@ mod tests {
         assert_eq!(settings.solver(), SolverKind::default(), "out of range");
         assert_eq!(settings.quality(), Quality::default(), "out of range");
         assert_eq!(settings.tolerance, 1e-4, "missing");
+    }
+
+    #[test]
+    fn sizes_stand_in_for_the_preset() {
+        let sizes = MeshSizes {
+            element_size: Some(0.5),
+            ..MeshSizes::default()
+        };
+        let settings = Settings::default().with_mesh(sizes);
+        let mesh = settings.solve_options().mesh;
+        assert_eq!(
+            (mesh.element_size, mesh.elements),
+            (Some(0.5), None),
+            "as asked"
+        );
+        assert!(settings.wants_other_mesh(&Settings::default()), "finer");
+        let preset = settings.with_quality(Quality::Normal);
+        assert_eq!(preset, Settings::default(), "the preset takes over again");
     }
 
     #[test]

@@ -28,8 +28,7 @@ use std::time::{Duration, Instant};
 
 /// How long solvers step before somebody looks at the inbox.
 const BURST: Duration = Duration::from_millis(15);
-/// Least time between two snapshots, and between two pictures of hemicubes.
-const BETWEEN_SNAPSHOTS: Duration = Duration::from_millis(33);
+/// Least time between two pictures of hemicubes.
 const BETWEEN_HEMICUBES: Duration = Duration::from_millis(200);
 /// Memory for rows of form factors.
 const ROW_BUDGET: usize = 256 << 20;
@@ -123,7 +122,7 @@ impl Worker {
     fn obey(&mut self, command: Command) -> Next {
         match command {
             Command::Open(source) => {
-                if let Source::Named(name) = &source {
+                if let Source::Named(name) | Source::Adjusted(name, _) = &source {
                     self.asked = Some(name.clone());
                 }
                 self.loader.open(source, self.settings);
@@ -339,7 +338,7 @@ impl Worker {
         at_once: bool,
     ) {
         pace.is_behind = true;
-        if !at_once && !pace.is_due() {
+        if !at_once && !pace.is_due(self.board.pace()) {
             return;
         }
         let begin = Instant::now();
@@ -560,9 +559,9 @@ struct Pace {
 }
 
 impl Pace {
-    fn is_due(&self) -> bool {
+    fn is_due(&self, between: Duration) -> bool {
         self.last
-            .is_none_or(|last| last.elapsed() >= BETWEEN_SNAPSHOTS.max(4 * self.cost))
+            .is_none_or(|last| last.elapsed() >= between.max(4 * self.cost))
     }
 
     fn rate(&mut self) -> Option<f64> {
