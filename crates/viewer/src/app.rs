@@ -146,7 +146,8 @@ impl Viewer {
             .frame(middle)
             .show(ui, |ui| self.picture(ui));
         panels::over(ui, &mut self.desk);
-        if let Some(due) = self.stage.as_ref().and_then(Stage::due) {
+        let of_stage = self.stage.as_ref().and_then(Stage::due);
+        for due in [of_stage, self.desk.due].into_iter().flatten() {
             ui.ctx().request_repaint_after(due);
         }
         if let Some(rest) = self.desk.note_eye() {
@@ -173,8 +174,9 @@ impl Viewer {
             None => vec![None; tiles.len()],
         };
         if let Some(trial) = &mut self.trial {
-            let is_drawn = self.stage.as_ref().is_some_and(Stage::has_drawn);
-            trial.end_frame(&self.desk, is_drawn);
+            let stage = self.stage.as_ref();
+            let drawn = stage.filter(|stage| stage.has_drawn());
+            trial.end_frame(&self.desk, drawn.map(Stage::divisor));
         }
         panels::view(ui, &mut self.desk, rect, &tiles, &pictures);
         self.save_picture();

@@ -276,8 +276,8 @@ with `hemicube render`.
 
 --measure tries the window out and closes it: it waits for the first lit picture, stands still while light is solved (40 % \
 of the time), turns around on the spot (40 %), and dims a lamp again and again (20 %). It prints when the first picture was \
-there; frames a second with median, 95 %, 99 % and longest; how many of them had a new picture; processor time a frame by \
-threads (on Linux; those of a software driver are the drawing, `background` is the solver, the program's own name the \
+there; frames a second with median, 95 %, 99 % and longest; how many of them had a new picture, and how wide its pixels \
+were (a software driver that is late draws fewer while one walks); processor time a frame by threads (on Linux; those of a software driver are the drawing, `background` is the solver, the program's own name the \
 window); how long input waited until a frame took it up; how long it took until half of the lamp's change was in the \
 picture; and memory over time.";
 

@@ -111,6 +111,9 @@ pub struct Desk {
     /// The scene that one stands in, by what it was opened by.
     entered: Option<String>,
     watch: Watch,
+    /// Between two times that new light is taken over, and what is left of it while such light waits.
+    pause: Option<Pause>,
+    pub(crate) due: Option<Duration>,
     /// Name of the camera that the next scene is entered by.
     pub camera: Option<String>,
     wake: Wake,
@@ -127,6 +130,28 @@ pub struct Pane {
     pub dims: Vec<Rgb>,
     /// The light as dimmed.
     pub light: Arc<Light>,
+}
+
+/// Time that is left to input: new light is taken over for at most a fifth of the time, however large the scene is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pause {
+    ends: Instant,
+}
+
+impl Pause {
+    /// After something that began then and ends now.
+    pub(crate) fn after(begin: Instant) -> Self {
+        let now = Instant::now();
+        Self {
+            ends: now + 4 * (now - begin),
+        }
+    }
+
+    /// What is left of it.
+    pub(crate) fn left(self) -> Option<Duration> {
+        let left = self.ends.saturating_duration_since(Instant::now());
+        (!left.is_zero()).then_some(left)
+    }
 }
 
 /// What was just done.
@@ -192,6 +217,8 @@ impl Desk {
             exposed: None,
             entered: None,
             watch: Watch::default(),
+            pause: None,
+            due: None,
             camera: None,
             wake,
         }
@@ -202,12 +229,18 @@ impl Desk {
         self.status = self.session.status();
         let newest = self.session.snapshot();
         let serial = |snapshot: &Option<Arc<Snapshot>>| snapshot.as_ref().map(|s| s.serial);
-        let is_new = serial(&newest) != serial(&self.snapshot);
+        let is_other = serial(&newest) != serial(&self.snapshot);
+        self.due = self.pause.filter(|_| is_other).and_then(Pause::left);
+        let is_new = is_other && self.due.is_none();
+        let begin = Instant::now();
         if let Some(snapshot) = newest.filter(|_| is_new) {
             self.take_over(snapshot);
         }
         self.refresh_panes(is_new);
         self.refresh_exposure();
+        if is_new {
+            self.pause = Some(Pause::after(begin));
+        }
         self.refresh_readings();
         self.finish_jobs();
         self.refresh_watch();

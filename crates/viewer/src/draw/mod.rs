@@ -13,7 +13,7 @@ mod pictures;
 mod scene;
 mod stand_in;
 
-use crate::desk::{Desk, Pane};
+use crate::desk::{Desk, Pane, Pause};
 use crate::display::{Display, Quantity};
 use crate::panels::Tile;
 use crate::session::Snapshot;
@@ -28,6 +28,7 @@ use pace::{LIGHT_PACE, Pixels, QUICK_LIGHT_PACE};
 pub use pictures::PanePaint;
 use pictures::{PaneShow, Picture, SHOWN};
 use scene::{Coming, OnStage, Order};
+pub use stand_in::DECADES;
 use stand_in::{as_light, dimmed, without_textures};
 use std::path::Path;
 use std::sync::Arc;
@@ -49,8 +50,11 @@ pub struct Stage {
     refused: Option<u64>,
     pictures: Vec<Picture>,
     pixels: Pixels,
-    /// When light last came to the device.
+    /// Width of a pixel of the pictures in those of the window.
+    divisor: u32,
+    /// When light last came to the device, and how long it may not come again.
     lit: Option<Instant>,
+    pause: Option<Pause>,
     /// Whether the last frame brought a new picture.
     has_drawn: bool,
     /// When there will be something new to draw.
@@ -106,7 +110,9 @@ impl Stage {
             refused: None,
             pictures: Vec::new(),
             pixels: Pixels::default(),
+            divisor: 1,
             lit: None,
+            pause: None,
             has_drawn: false,
             due: None,
         })
@@ -130,6 +136,11 @@ impl Stage {
     /// Whether the last frame brought a new picture.
     pub fn has_drawn(&self) -> bool {
         self.has_drawn
+    }
+
+    /// Width of a pixel of the pictures in those of the window.
+    pub fn divisor(&self) -> u32 {
+        self.divisor
     }
 
     /// When there will be something new to draw, if that is known.
@@ -250,7 +261,8 @@ impl Stage {
     /// Makes the pictures as many and as large as the tiles; smaller ones while the eye moves if that is needed.
     fn fit(&mut self, desk: &Desk, tiles: &[Tile]) {
         let adapts = self.is_software && desk.prefs.display.coarse_motion;
-        let divisor = self.pixels.divisor(desk.moves(), adapts, &desk.frames);
+        self.divisor = self.pixels.divisor(desk.moves(), adapts, &desk.frames);
+        let divisor = self.divisor;
         self.pictures.truncate(tiles.len());
         for (i, tile) in tiles.iter().enumerate() {
             let size = tile.size.map(|pixels| pixels.div_ceil(divisor).max(1));
@@ -324,7 +336,8 @@ impl Stage {
             return None;
         }
         let since = self.lit?.elapsed();
-        (since < LIGHT_PACE).then(|| LIGHT_PACE - since)
+        let pace = (since < LIGHT_PACE).then(|| LIGHT_PACE - since);
+        pace.max(self.pause.and_then(Pause::left))
     }
 
     fn draw_picture(&mut self, desk: &Desk, i: usize, is_fine: bool) -> Result<(), GpuError> {
@@ -348,6 +361,7 @@ impl Stage {
 
     /// Brings a pane's light to the device.
     fn set_light(&mut self, desk: &Desk, snapshot: &Snapshot, pane: &Pane) -> Result<(), GpuError> {
+        let begin = Instant::now();
         let solved = &snapshot.lanes[pane.lane].solution;
         let other = match desk.prefs.display.quantity {
             Quantity::FormFactors => snapshot.row.as_ref().map(|row| as_light(solved, row)),
@@ -364,7 +378,7 @@ impl Stage {
             _ => Rgb::BLACK,
         };
         scene.walkthrough.set_ambient(ambient);
-        self.lit = Some(Instant::now());
+        (self.lit, self.pause) = (Some(begin), Some(Pause::after(begin)));
         Ok(())
     }
 

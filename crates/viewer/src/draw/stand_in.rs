@@ -21,7 +21,7 @@ pub fn dimmed(solved: &Solution, dims: &[Rgb]) -> Option<Solution> {
 }
 
 /// Decades of form factors that colours show.
-const DECADES: f32 = 4.0;
+pub const DECADES: u8 = 4;
 
 /// Form factors as irradiance whose illuminance goes from 0 to 1 over the [`DECADES`] below the largest factor.
 pub fn as_light(solved: &Solution, row: &PatchRow) -> Solution {
@@ -30,7 +30,8 @@ pub fn as_light(solved: &Solution, row: &PatchRow) -> Solution {
     let densities: Vec<f32> = row.fractions.iter().enumerate().map(per_area).collect();
     let most = densities.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
     let unit = mesh.scene().units.illuminance(Rgb::WHITE);
-    let height = |density: f32| ((density / most).log10() / DECADES + 1.0).clamp(0.0, 1.0) / unit;
+    let height =
+        |density: f32| ((density / most).log10() / f32::from(DECADES) + 1.0).clamp(0.0, 1.0) / unit;
     let mut solution = solved.clone();
     let channels = solution.groups().len() * BANDS;
     let mut irradiance = vec![0.0; channels * densities.len()];

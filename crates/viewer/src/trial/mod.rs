@@ -62,6 +62,8 @@ struct Figures {
     frames: FrameTimes,
     /// Frames whose picture was drawn anew.
     pictures: u32,
+    /// Widths of their pixels added up.
+    widths: u32,
     cpu: Cpu,
 }
 
@@ -70,6 +72,7 @@ impl Default for Figures {
         Self {
             frames: FrameTimes::of_all(),
             pictures: 0,
+            widths: 0,
             cpu: Cpu::default(),
         }
     }
@@ -128,8 +131,9 @@ impl Trial {
         self.since_first > 0
     }
 
-    /// A frame is handed over; whether its picture is a new one.
-    pub fn end_frame(&mut self, desk: &Desk, is_drawn: bool) {
+    /// A frame is handed over; if its picture is a new one, how wide its pixels are in those of the window.
+    pub fn end_frame(&mut self, desk: &Desk, drawn: Option<u32>) {
+        let is_drawn = drawn.is_some();
         self.since_first += u32::from(is_drawn || self.since_first > 0);
         self.edits.handed_over();
         if !is_drawn {
@@ -138,6 +142,7 @@ impl Trial {
         let part = self.last.map(|(_, part)| part);
         if let Some(figures) = part.and_then(|part| self.figures(part)) {
             figures.pictures += 1;
+            figures.widths += drawn.unwrap_or(1);
         }
         if let Some(snapshot) = &desk.snapshot {
             self.edits.drawn(snapshot);

@@ -79,7 +79,12 @@ fn part(f: &mut fmt::Formatter<'_>, name: &str, figures: &Figures) -> fmt::Resul
     };
     writeln!(f, "{name:<19}{frames}")?;
     let new = 1.0 / figures.cpu.seconds.max(1e-9) * f64::from(figures.pictures);
-    write!(f, "{:<19}{new:.1} new pictures a second", "")?;
+    let width = f64::from(figures.widths) / f64::from(figures.pictures.max(1));
+    write!(
+        f,
+        "{:<19}{new:.1} new pictures a second, their pixels {width:.1} wide",
+        ""
+    )?;
     let count = frames.frames as f64;
     let threads = figures.cpu.threads.iter().take(6);
     let threads: Vec<String> = threads
