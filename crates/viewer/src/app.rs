@@ -173,6 +173,7 @@ impl Viewer {
             Some(stage) => stage.draw(&mut self.desk, &tiles),
             None => vec![None; tiles.len()],
         };
+        self.desk.waits_for_device = self.stage.as_ref().is_some_and(Stage::is_coming);
         if let Some(trial) = &mut self.trial {
             let stage = self.stage.as_ref();
             let drawn = stage.filter(|stage| stage.has_drawn());

@@ -5,7 +5,7 @@ use egui::{Event, Key, Modifiers, Pos2, Ui, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use hemicube_radiosity::{Quality, SolverKind};
-use hemicube_viewer::desk::{Desk, Pick};
+use hemicube_viewer::desk::{Answer, Desk, Pick};
 use hemicube_viewer::display::Quantity;
 use hemicube_viewer::session::{FactorsBy, Phase, Settings, VARIANTS};
 use hemicube_viewer::walk::EyeMode;
@@ -308,7 +308,9 @@ fn the_way_to_the_light_is_chosen_in_the_toolbar() {
             .as_ref()
             .is_some_and(|s| s.lanes[0].kind == SolverKind::Overshooting)
     });
-    window.get_by_value("Overshooting");
+    window.run_steps(2);
+    let named = window.query_all_by_value("Overshooting").count();
+    assert!(named > 0, "in the toolbar");
 }
 
 #[test]
@@ -349,6 +351,22 @@ fn a_path_is_typed_into_the_menu() {
     wait(&mut window, "it opens", |desk| {
         desk.status.source.as_deref() == Some("furnace")
     });
+}
+
+#[test]
+fn without_dialogs_a_path_is_typed() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let mut window = finished("cornell");
+    let path = folder.path().join("a.hemicube.json");
+    let name = path.to_string_lossy().into_owned();
+    let none = Answer::NoDialog(Pick::SaveSession, name);
+    change(&mut window).dialogs.put(none);
+    window.run_steps(3);
+    window.get_by_label_contains("no file dialogs");
+    window.get_by_label("Go on").click();
+    window.run_steps(3);
+    assert!(path.is_file(), "it is written");
+    assert!(of(&window).typed_file.is_none(), "the field is gone");
 }
 
 /// A file as a window system hands it over.

@@ -5,7 +5,7 @@ mod files;
 mod scene;
 mod view;
 
-pub use dialogs::{Dialogs, Pick};
+pub use dialogs::{Answer, Dialogs, Pick};
 pub use view::Motion;
 
 use crate::display::{Display, Quantity};
@@ -89,6 +89,8 @@ pub struct Desk {
     pub shows_help: bool,
     /// Text of the field for paths.
     pub typed_path: String,
+    /// A file that is typed because the system has no dialogs, and what for.
+    pub typed_file: Option<(Pick, String)>,
     /// Name of the lighting that is about to be kept.
     pub typed_lighting: String,
     /// What was just done, or went wrong beside the solver.
@@ -99,6 +101,8 @@ pub struct Desk {
     pub wanted_picture: Option<PathBuf>,
     /// How long frames take.
     pub frames: FrameTimes,
+    /// Whether the scene is on its way to the device that draws.
+    pub waits_for_device: bool,
     /// A session that waits for its scene.
     pending: Option<Document>,
     /// Where the eye was in the last frame, and when it last moved.
@@ -205,11 +209,13 @@ impl Desk {
             hemicube_lit: false,
             shows_help: false,
             typed_path: String::new(),
+            typed_file: None,
             typed_lighting: String::new(),
             notice: None,
             dialogs: Dialogs::default(),
             wanted_picture: None,
             frames: FrameTimes::default(),
+            waits_for_device: false,
             pending: None,
             seen: None,
             moved: None,
@@ -350,8 +356,12 @@ impl Desk {
                 Err(why) => self.complain(why),
             }
         }
-        while let Some((pick, path)) = self.dialogs.answer() {
-            self.picked(pick, path);
+        while let Some(answer) = self.dialogs.answer() {
+            match answer {
+                Answer::Picked(pick, path) => self.picked(pick, path),
+                Answer::Closed => {}
+                Answer::NoDialog(pick, name) => self.typed_file = Some((pick, name)),
+            }
         }
     }
 

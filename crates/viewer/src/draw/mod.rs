@@ -138,6 +138,11 @@ impl Stage {
         self.has_drawn
     }
 
+    /// Whether a scene is on its way to the device.
+    pub fn is_coming(&self) -> bool {
+        self.coming.is_some()
+    }
+
     /// Width of a pixel of the pictures in those of the window.
     pub fn divisor(&self) -> u32 {
         self.divisor

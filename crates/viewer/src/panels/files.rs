@@ -6,8 +6,8 @@ use crate::theme::ACCENT;
 use core::f32::consts::TAU;
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{
-    Align2, Button, Color32, Frame, PopupCloseBehavior, RichText, ScrollArea, Sense, Stroke, Ui,
-    Vec2,
+    Align2, Button, Color32, Frame, Key, PopupCloseBehavior, RichText, ScrollArea, Sense, Stroke,
+    TextEdit, Ui, Vec2,
 };
 use hemicube_scene::builtin;
 use std::path::Path;
@@ -31,7 +31,7 @@ pub fn open_menu(ui: &mut Ui, desk: &mut Desk) {
             .text_edit_singleline(&mut desk.typed_path)
             .labelled_by(label.id);
         if field.lost_focus()
-            && ui.input(|i| i.key_pressed(egui::Key::Enter))
+            && ui.input(|i| i.key_pressed(Key::Enter))
             && !desk.typed_path.is_empty()
         {
             let path = core::mem::take(&mut desk.typed_path);
@@ -111,6 +111,35 @@ fn clock(ui: &mut Ui, seconds: f32) {
     let stroke = Stroke::new(2.0, ACCENT);
     ui.painter()
         .line_segment([rect.center(), rect.center() + hand], stroke);
+}
+
+/// A field for a path, where the system has no dialogs.
+pub fn typed(ui: &mut Ui, desk: &mut Desk) {
+    let Some((pick, mut text)) = desk.typed_file.take() else {
+        return;
+    };
+    let shown = egui::Window::new(pick.title())
+        .collapsible(false)
+        .resizable(false)
+        .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
+        .show(ui.ctx(), |ui| {
+            let label = ui.label("This system shows no file dialogs. Path:");
+            let field = TextEdit::singleline(&mut text).desired_width(360.0);
+            let field = ui.add(field).labelled_by(label.id);
+            let enters = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+            ui.horizontal(|ui| {
+                let goes_on = ui.button("Go on").clicked() || enters;
+                (goes_on, ui.button("Cancel").clicked())
+            })
+            .inner
+        });
+    let (goes_on, ends) = shown.and_then(|shown| shown.inner).unwrap_or_default();
+    let path = text.trim();
+    if goes_on && !path.is_empty() {
+        desk.picked(pick, path.into());
+    } else if !ends {
+        desk.typed_file = Some((pick, text));
+    }
 }
 
 /// Errors until they were read, notices for a while.

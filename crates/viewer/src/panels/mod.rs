@@ -74,6 +74,7 @@ pub fn around(ui: &mut Ui, desk: &mut Desk, textures: &mut HemicubeTexture) {
 pub fn over(ui: &mut Ui, desk: &mut Desk) {
     help::show(ui, desk);
     files::opening(ui, desk);
+    files::typed(ui, desk);
     files::messages(ui, desk);
     files::dropped(ui, desk);
 }

@@ -61,6 +61,8 @@ fn lanes(ui: &mut Ui, desk: &Desk) {
                     .color(LINES[i % LINES.len()])
                     .strong(),
             );
+        } else {
+            fact(ui, "Solver", solver_label(lane.kind));
         }
         fact(ui, "Steps", thousands(lane.progress.iteration as f64));
         fact(ui, "Unshot", share(lane.progress.unshot));

@@ -92,6 +92,15 @@ pub fn view(
             painter.add(shown);
         }
     }
+    if desk.waits_for_device {
+        let text = "The scene is being put on the device";
+        plate(
+            &painter,
+            rect.left_top() + Vec2::splat(12.0),
+            text,
+            Color32::WHITE,
+        );
+    }
     titles(&painter, desk, tiles);
     marks(&painter, desk, tiles);
     if !desk.panes.is_empty() {

@@ -6,6 +6,7 @@
 //! stays if the new scene cannot be used.
 
 mod command;
+mod figures;
 mod history;
 mod inbox;
 mod lane;

@@ -86,8 +86,9 @@ impl From<MeshSizes> for PatchOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// Position of the way to the equilibrium in [`SolverKind::ALL`].
-    solver: usize,
+    /// Position of the way to the equilibrium in [`SolverKind::ALL`]; none, or one that there is not, means the best for
+    /// the size of the scene.
+    solver: Option<usize>,
     /// Whether the four [`VARIANTS`] run side by side instead. Default value: no.
     pub side_by_side: bool,
     /// What computes form factors. Default value: rays.
@@ -105,7 +106,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            solver: 0,
+            solver: None,
             side_by_side: false,
             factors: FactorsBy::default(),
             quality: 1,
@@ -113,16 +114,16 @@ impl Default for Settings {
             tolerance: 1e-4,
             by_source: true,
         }
-        .with_solver(SolverKind::AmbientShooting)
     }
 }
 
 impl Settings {
-    /// Another way to the equilibrium. Default value: sorted shooting with the ambient estimate.
-    pub fn with_solver(self, solver: SolverKind) -> Self {
-        let place = SolverKind::ALL.iter().position(|&kind| kind == solver);
+    /// Another way to the equilibrium; none means the best for the size of the scene. Default value: none.
+    pub fn with_solver(self, solver: impl Into<Option<SolverKind>>) -> Self {
+        let solver = solver.into();
+        let place = |solver| SolverKind::ALL.iter().position(|&kind| kind == solver);
         Self {
-            solver: place.unwrap_or(0),
+            solver: solver.and_then(place),
             ..self
         }
     }
@@ -163,12 +164,15 @@ impl Settings {
         Self { tolerance, ..self }
     }
 
-    /// The way to the equilibrium.
-    pub fn solver(&self) -> SolverKind {
-        SolverKind::ALL
-            .get(self.solver)
-            .copied()
-            .unwrap_or_default()
+    /// The way to the equilibrium that was chosen, if one was.
+    pub fn solver(&self) -> Option<SolverKind> {
+        SolverKind::ALL.get(self.solver?).copied()
+    }
+
+    /// The way to the equilibrium for so many elements.
+    pub fn solver_for(&self, elements: usize) -> SolverKind {
+        let best = || SolverKind::for_size(0, elements);
+        self.solver().unwrap_or_else(best)
     }
 
     /// The preset for the mesh.
@@ -176,12 +180,12 @@ impl Settings {
         Quality::ALL.get(self.quality).copied().unwrap_or_default()
     }
 
-    /// What runs: one way, or the four variants.
-    pub fn solvers(&self) -> Vec<SolverKind> {
+    /// What runs on so many elements: one way, or the four variants.
+    pub fn solvers(&self, elements: usize) -> Vec<SolverKind> {
         if self.side_by_side {
             VARIANTS.to_vec()
         } else {
-            vec![self.solver()]
+            vec![self.solver_for(elements)]
         }
     }
 
@@ -197,7 +201,7 @@ impl Settings {
         SolveOptions {
             mesh: self.mesh.map_or(preset.mesh, PatchOptions::from),
             form_factors: self.factors.kind(),
-            solver: self.solver(),
+            solver: self.solver().unwrap_or_default(),
             tolerance: self.tolerance,
             hemicube: HemicubeOptions::default(),
             grouping: if self.by_source {
@@ -236,7 +240,7 @@ impl Asked {
             mesh: self.mesh.or(asked.mesh),
             factors: self.factors.unwrap_or(asked.factors),
             tolerance: self.tolerance.unwrap_or(asked.tolerance),
-            ..asked.with_solver(self.solver.unwrap_or(asked.solver()))
+            ..asked.with_solver(self.solver.or(asked.solver()))
         }
     }
 }
@@ -249,7 +253,7 @@ mod tests {
     fn damaged_settings_mean_the_usual_ones() {
         let json = r#"{"solver": 99, "quality": 77}"#;
         let settings: Settings = serde_json::from_str(json).expect("fields may be missing");
-        assert_eq!(settings.solver(), SolverKind::default(), "out of range");
+        assert_eq!(settings.solver(), None, "out of range");
         assert_eq!(settings.quality(), Quality::default(), "out of range");
         assert_eq!(settings.tolerance, 1e-4, "missing");
     }
@@ -284,6 +288,22 @@ mod tests {
             settings.wants_other_mesh(&settings.with_quality(Quality::Draft)),
             "it is coarser"
         );
-        assert_eq!(other.solvers(), VARIANTS, "the figure's four");
+        assert_eq!(other.solvers(100), VARIANTS, "the figure's four");
+    }
+
+    #[test]
+    fn large_scenes_are_solved_by_rays_unless_something_else_was_chosen() {
+        let settings = Settings::default();
+        let small = settings.solvers(4000);
+        assert_eq!(small, [SolverKind::AmbientShooting], "shots are few");
+        let large = settings.solvers(1_000_000);
+        assert_eq!(large, [SolverKind::Stochastic], "shots are many");
+        let chosen = settings.with_solver(SolverKind::Shooting);
+        assert_eq!(
+            chosen.solvers(1_000_000),
+            [SolverKind::Shooting],
+            "as chosen"
+        );
+        assert_eq!(chosen.with_solver(None), settings, "and back");
     }
 }
