@@ -5,7 +5,7 @@
 //!
 //! Where the processor draws, which also solves, pictures are cheaper while something changes: edges and textures are
 //! smoothed less, new light comes a few times a second, and while the eye moves there are as few pixels as it takes to
-//! follow it ([`Pixels`]).
+//! follow it.
 
 mod options;
 mod pace;
