@@ -122,10 +122,6 @@ pub struct SolveArgs {
 /// Options of light that is solved while one looks at it; all of them can be changed in the window. What is not given
 /// is as it was last.
 #[derive(Debug, Clone, Default, Args)]
-#[cfg_attr(
-    not(feature = "viewer"),
-    expect(dead_code, reason = "without windows they are only explained")
-)]
 #[command(next_help_heading = "Solving (can be changed in the window) [default: as it was last]")]
 pub struct LiveArgs {
     /// Preset of the mesh: about 1000, 4000 or 30,000 elements
