@@ -11,6 +11,7 @@ pub mod memory;
 pub mod raycast;
 pub mod shooting;
 pub mod surface;
+pub mod window;
 
 /// A shader: name and source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,4 +43,5 @@ pub fn all() -> impl Iterator<Item = &'static Shader> {
         .chain(&shooting::SHADERS)
         .chain(&raycast::SHADERS)
         .chain(&surface::SHADERS)
+        .chain(&window::SHADERS)
 }

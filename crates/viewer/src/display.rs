@@ -57,6 +57,8 @@ pub struct Display {
     pub ambient: bool,
     /// Whether edges are smooth. Default value: yes.
     pub smooth_edges: bool,
+    /// Whether there are fewer pixels while the eye moves, where the processor draws and is late. Default value: yes.
+    pub coarse_motion: bool,
     /// Whether exposure follows the light. Default value: yes.
     pub auto_exposure: bool,
     /// Exposure in stops; with automatic exposure a correction of it. Default value: 0.
@@ -80,6 +82,7 @@ impl Default for Display {
             mesh: false,
             ambient: true,
             smooth_edges: true,
+            coarse_motion: true,
             auto_exposure: true,
             stops: 0.0,
             tone_map: 0,

@@ -12,11 +12,19 @@ pub struct FrameTimes {
     times: Vec<Duration>,
     next: usize,
     last: Option<Instant>,
-    /// All of them, if a report is wanted at the end.
-    pub keeps_all: bool,
+    /// Whether all of them are remembered, for a report at the end.
+    keeps_all: bool,
 }
 
 impl FrameTimes {
+    /// Remembers all times, not only the last ones.
+    pub fn of_all() -> Self {
+        Self {
+            keeps_all: true,
+            ..Self::default()
+        }
+    }
+
     /// A frame begins; `follows` tells whether it was asked for right after the one before.
     pub fn tick(&mut self, follows: bool) {
         let now = Instant::now();
@@ -25,13 +33,30 @@ impl FrameTimes {
         }
     }
 
-    fn push(&mut self, time: Duration) {
+    /// Adds a time.
+    pub fn push(&mut self, time: Duration) {
         if self.keeps_all || self.times.len() < REMEMBERED {
             self.times.push(time);
         } else {
             self.times[self.next] = time;
             self.next = (self.next + 1) % REMEMBERED;
         }
+    }
+
+    /// Mean of the last ones; `None` before there are so many.
+    pub fn recent(&self, count: usize) -> Option<Duration> {
+        if count == 0 || self.times.len() < count {
+            return None;
+        }
+        // Until the memory is full the newest is the last.
+        let end = if self.times.len() < REMEMBERED || self.keeps_all {
+            self.times.len()
+        } else {
+            self.next + self.times.len()
+        };
+        let at = |i: usize| self.times[i % self.times.len()];
+        let total: Duration = (end - count..end).map(at).sum();
+        Some(total / u32::try_from(count).unwrap_or(u32::MAX))
     }
 
     /// Mean, percentiles, most; `None` before two frames.
@@ -107,6 +132,18 @@ mod tests {
             report.to_string().starts_with("100 frames, 19.8 a second"),
             "{report}"
         );
+    }
+
+    #[test]
+    fn the_last_ones_are_known() {
+        let mut frames = FrameTimes::default();
+        for i in 1..=1000_u64 {
+            frames.push(Duration::from_millis(i));
+            let mean = Duration::from_micros(1000 * i - 500);
+            let recent = frames.recent(2);
+            assert_eq!(recent, (i > 1).then_some(mean), "of {i} and the one before");
+        }
+        assert_eq!(frames.recent(0), None, "of nothing");
     }
 
     #[test]

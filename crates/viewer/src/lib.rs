@@ -14,8 +14,10 @@
 //!
 //! # Current state
 //! Runs on X11 and Wayland with any adapter of wgpu. Where the processor draws (lavapipe), edges are smooth and mirrors new
-//! only while light and eye are at rest. Light that a GPU solves comes over the CPU to the window, which has a device of its
-//! own. Bumps are lit as if by a uniform sky. Lights without an area and the sky are one source and cannot be edited. An edit
+//! only while light and eye are at rest, light comes ten times a second, and pixels are up to three times as wide while the
+//! eye moves and frames are late. Light that a GPU solves comes over the CPU to the window, which has a device of its
+//! own. The first picture of a kind (false colours, wireframe) makes its pipelines while the window waits. The window lets
+//! the solver's threads wait on Linux only. Bumps are lit as if by a uniform sky. Lights without an area and the sky are one source and cannot be edited. An edit
 //! copies scene and mesh, which is felt from a million elements on. Gathering starts again after an edit. Reading a file
 //! cannot be interrupted; it is dropped when it is done. Screen readers are not served.
 #![forbid(unsafe_code)]
@@ -36,6 +38,7 @@ pub mod prefs;
 pub mod run;
 pub mod session;
 pub mod theme;
+pub mod trial;
 pub mod walk;
 
 pub use app::{ViewOptions, Viewer};

@@ -37,6 +37,8 @@ pub fn view(options: ViewOptions) -> Result<(), ViewError> {
     let mut native = eframe::NativeOptions {
         viewport,
         renderer: eframe::Renderer::Wgpu,
+        // There are no gradients but those of pictures, which have their bytes already.
+        dithering: false,
         persist_window: options.size.is_none() && !options.forgets,
         ..Default::default()
     };

@@ -23,6 +23,7 @@ pub fn apply(ctx: &Context) {
         style.spacing.slider_width = 130.0;
         style.spacing.combo_width = 140.0;
         style.spacing.scroll.floating = true;
+        style.spacing.scroll.floating_allocated_width = 6.0;
         let sizes = [
             (TextStyle::Heading, FontId::proportional(17.0)),
             (TextStyle::Body, FontId::proportional(13.5)),

@@ -45,7 +45,9 @@ fn window() -> Option<Window> {
     let begin = Instant::now();
     let is_finished = |window: &Window| {
         let viewer = window.state().as_ref();
-        viewer.is_some_and(|viewer| viewer.desk.status.phase == Phase::Finished)
+        viewer.is_some_and(|viewer| {
+            viewer.desk.status.phase == Phase::Finished && viewer.is_up_to_date()
+        })
     };
     while !is_finished(&window) {
         window.step();

@@ -1,14 +1,17 @@
 //! The window's panels, buttons and keys, and its picture on whatever adapter there is.
 
-use egui::{Key, Modifiers, Pos2, Ui, Vec2};
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, Pos2, Ui, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use hemicube_radiosity::{Quality, SolverKind};
-use hemicube_viewer::desk::{Desk, Pick};
+use hemicube_viewer::desk::{Answer, Desk, Pick};
 use hemicube_viewer::display::Quantity;
 use hemicube_viewer::session::{FactorsBy, Phase, Settings, VARIANTS};
 use hemicube_viewer::walk::EyeMode;
 use hemicube_viewer::{ViewOptions, Viewer};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 type Window = Harness<'static, Option<Viewer>>;
@@ -265,6 +268,21 @@ fn dimming_solves_nothing_again() {
 }
 
 #[test]
+fn a_narrow_window_keeps_room_for_the_picture() {
+    let mut window = finished("cornell");
+    window.get_by_label_contains("Calculation grid");
+    window.set_size(Vec2::new(640.0, 400.0));
+    window.run_steps(3);
+    let picture = window.get_by_label("picture").rect();
+    assert!(picture.width() > 250.0, "{picture}");
+    press(&mut window, Key::F2);
+    window.run_steps(20);
+    window.get_by_label_contains("Calculation grid");
+    let picture = window.get_by_label("picture").rect();
+    assert!(picture.width() > 250.0, "the other panel: {picture}");
+}
+
+#[test]
 fn variants_run_side_by_side() {
     let mut window = window("cornell");
     wait(&mut window, "there is light", |desk| desk.panes.len() == 1);
@@ -290,7 +308,9 @@ fn the_way_to_the_light_is_chosen_in_the_toolbar() {
             .as_ref()
             .is_some_and(|s| s.lanes[0].kind == SolverKind::Overshooting)
     });
-    window.get_by_value("Overshooting");
+    window.run_steps(2);
+    let named = window.query_all_by_value("Overshooting").count();
+    assert!(named > 0, "in the toolbar");
 }
 
 #[test]
@@ -307,6 +327,78 @@ fn errors_are_shown_and_dismissed() {
     wait(&mut window, "it is dismissed", |desk| {
         desk.status.error.is_none()
     });
+    assert_eq!(of(&window).status.scene, "cornell", "the light stays");
+}
+
+#[test]
+fn a_path_is_typed_into_the_menu() {
+    let mut window = finished("cornell");
+    window.get_by_label("Open").click();
+    window.run_steps(3);
+    let field = |window: &Window| {
+        let field = window.get_by_role_and_label(Role::TextInput, "or type a path");
+        field.rect().center()
+    };
+    let at = field(&window);
+    window.drag_at(at);
+    window.run_steps(1);
+    window.drop_at(at);
+    window.run_steps(2);
+    assert_eq!(field(&window), at, "a click into the field leaves it open");
+    window.event(Event::Text(String::from("furnace")));
+    window.run_steps(2);
+    press(&mut window, Key::Enter);
+    wait(&mut window, "it opens", |desk| {
+        desk.status.source.as_deref() == Some("furnace")
+    });
+}
+
+#[test]
+fn without_dialogs_a_path_is_typed() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let mut window = finished("cornell");
+    let path = folder.path().join("a.hemicube.json");
+    let name = path.to_string_lossy().into_owned();
+    let none = Answer::NoDialog(Pick::SaveSession, name);
+    change(&mut window).dialogs.put(none);
+    window.run_steps(3);
+    window.get_by_label_contains("no file dialogs");
+    window.get_by_label("Go on").click();
+    window.run_steps(3);
+    assert!(path.is_file(), "it is written");
+    assert!(of(&window).typed_file.is_none(), "the field is gone");
+}
+
+/// A file as a window system hands it over.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn a_dropped_file_is_opened_or_refused_in_the_window() {
+    let mut window = finished("cornell");
+    let folder = tempfile::tempdir().expect("there is room");
+    let path = folder.path().join("broken.glb");
+    std::fs::write(&path, b"glTF, but not really").expect("there is room");
+    window
+        .input_mut()
+        .dropped_files
+        .push(Arc::new(Dropped(path)));
+    wait(&mut window, "it is refused", |desk| {
+        desk.status.error.is_some()
+    });
+    window.run_steps(2);
+    let said = window.query_all_by_label_contains("broken.glb").count();
+    assert!(said > 0, "the window says so");
     assert_eq!(of(&window).status.scene, "cornell", "the light stays");
 }
 

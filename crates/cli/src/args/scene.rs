@@ -57,7 +57,22 @@ where
 impl SceneArgs {
     /// Adjusts a scene; what is not given stays as the scene has it.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), hemicube::scene::SceneError> {
-        let options = SceneOptions {
+        let options = self.options(SceneOptions {
+            metals: scene.metals,
+            max_reflectance: scene.max_reflectance,
+            ..SceneOptions::default()
+        });
+        scene.apply(&options)
+    }
+
+    /// What is to be changed in a scene that is opened later; `None` if nothing is.
+    #[cfg(feature = "viewer")]
+    pub fn changes(&self) -> Option<SceneOptions> {
+        (!self.given().is_empty()).then(|| self.options(SceneOptions::default()))
+    }
+
+    fn options(&self, usual: SceneOptions) -> SceneOptions {
+        SceneOptions {
             emit: self.emit.clone(),
             sky: self.sky,
             reflectance: self.reflectance.clone(),
@@ -67,10 +82,9 @@ impl SceneArgs {
             unit: self.unit,
             up: self.up,
             units: self.units,
-            metals: self.metals.unwrap_or(scene.metals),
-            max_reflectance: self.max_reflectance.unwrap_or(scene.max_reflectance),
-        };
-        scene.apply(&options)
+            metals: self.metals.unwrap_or(usual.metals),
+            max_reflectance: self.max_reflectance.unwrap_or(usual.max_reflectance),
+        }
     }
 
     /// Names of the options that were given.

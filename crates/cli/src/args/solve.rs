@@ -123,6 +123,54 @@ pub struct SolveArgs {
     pub matrix_memory: Option<u32>,
 }
 
+/// Options of light that is solved while one looks at it; all of them can be changed in the window. What is not given
+/// is as it was last.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Solving (can be changed in the window) [default: as it was last]")]
+pub struct LiveArgs {
+    /// Preset of the mesh: about 1000, 4000 or 30,000 elements
+    #[arg(long, value_parser = parse::choice(&Quality::ALL, Quality::name))]
+    pub quality: Option<Quality>,
+    /// Longest edge of the elements that receive light, in scene units (metres)
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
+    pub element_size: Option<f32>,
+    /// Elements to aim at instead of a size
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
+    pub elements: Option<u32>,
+    /// Longest edge of the patches that shoot light, in scene units (metres)
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
+    pub patch_size: Option<f32>,
+    /// Patches to aim at instead of a size
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
+    pub patches: Option<u32>,
+    /// Way to the equilibrium, as for `hemicube solve`
+    #[arg(long, value_name = "SOLVER", value_parser = parse::choice(&SolverKind::ALL, SolverKind::name))]
+    pub solver: Option<SolverKind>,
+    /// What computes form factors
+    #[arg(long, value_name = "METHOD", value_parser = ["raycast", "hemicube", "gpu"])]
+    pub form_factors: Option<String>,
+    /// The light counts as found when this share of what is emitted has not been shot yet
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = parse::tolerance)]
+    pub tolerance: Option<f64>,
+}
+
+impl LiveArgs {
+    /// Patches and elements in place of a preset's, if any were asked for.
+    #[cfg(feature = "viewer")]
+    pub fn mesh(&self) -> Option<hemicube::radiosity::PatchOptions> {
+        let mesh = MeshArgs {
+            quality: self.quality,
+            element_size: self.element_size,
+            elements: self.elements,
+            patch_size: self.patch_size,
+            patches: self.patches,
+            ..MeshArgs::default()
+        };
+        let is_asked = !mesh.mesh_given().is_empty();
+        is_asked.then(|| mesh.options().mesh)
+    }
+}
+
 impl MeshArgs {
     /// Options for a scene that is solved afresh.
     pub fn options(&self) -> SolveOptions {

@@ -3,6 +3,7 @@
 use crate::desk::Wake;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
 
 /// What a dialog is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,7 +23,8 @@ pub enum Pick {
 }
 
 impl Pick {
-    fn title(self) -> &'static str {
+    /// What it is about.
+    pub fn title(self) -> &'static str {
         match self {
             Self::Open => "Open a scene",
             Self::SaveLit => "Save the lit scene",
@@ -45,11 +47,25 @@ impl Pick {
     }
 }
 
+/// What becomes of a dialog.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Answer {
+    /// A file was picked.
+    Picked(Pick, PathBuf),
+    /// It was closed.
+    Closed,
+    /// The system has no dialogs; the name was proposed.
+    NoDialog(Pick, String),
+}
+
+/// Nobody closes a dialog that quickly: there was none.
+const AT_ONCE: Duration = Duration::from_millis(300);
+
 /// Dialogs that are open, and their answers.
 #[derive(Debug)]
 pub struct Dialogs {
-    answers: Receiver<(Pick, Option<PathBuf>)>,
-    sender: Sender<(Pick, Option<PathBuf>)>,
+    answers: Receiver<Answer>,
+    sender: Sender<Answer>,
     /// Only one at a time.
     is_open: bool,
 }
@@ -76,10 +92,15 @@ impl Dialogs {
             .set_title(pick.title())
             .add_filter(pick.endings().join(", "), pick.endings());
         let sender = self.sender.clone();
+        let (begin, proposed) = (Instant::now(), name.to_owned());
         let answered = move |file: Option<rfd::FileHandle>| {
-            let path = file.map(|file| file.path().to_path_buf());
+            let answer = match file {
+                Some(file) => Answer::Picked(pick, file.path().to_path_buf()),
+                None if begin.elapsed() < AT_ONCE => Answer::NoDialog(pick, proposed),
+                None => Answer::Closed,
+            };
             // The window may be gone.
-            let _ = sender.send((pick, path));
+            let _ = sender.send(answer);
             wake();
         };
         // Some systems want dialogs to be made on this thread and allow to wait for them on another.
@@ -92,19 +113,15 @@ impl Dialogs {
         }
     }
 
-    /// The next answer, if there is one; a dialog that was closed is none.
-    pub fn answer(&mut self) -> Option<(Pick, PathBuf)> {
-        while let Ok((pick, path)) = self.answers.try_recv() {
-            self.is_open = false;
-            if let Some(path) = path {
-                return Some((pick, path));
-            }
-        }
-        None
+    /// The next answer, if there is one.
+    pub fn answer(&mut self) -> Option<Answer> {
+        let answer = self.answers.try_recv().ok()?;
+        self.is_open = false;
+        Some(answer)
     }
 
     /// As if a dialog had been answered.
-    pub fn put(&self, pick: Pick, path: PathBuf) {
-        let _ = self.sender.send((pick, Some(path)));
+    pub fn put(&self, answer: Answer) {
+        let _ = self.sender.send(answer);
     }
 }

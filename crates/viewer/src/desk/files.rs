@@ -1,6 +1,7 @@
 //! What comes from files and goes to them.
 
 use crate::desk::{Desk, Pick};
+use crate::display::Quantity;
 use crate::document::Document;
 use crate::film_job::{FilmJob, FilmPlan};
 use crate::session::{Command, Source};
@@ -82,6 +83,19 @@ impl Desk {
         let is_dark = |e: &usize| pane.light.exitance[*e].is_black();
         let elements = (0..mesh.elements().len()).filter(is_dark);
         self.prefs.display.exposure(elements.map(reflected))
+    }
+
+    /// Top of the scale of false colours, in lx; the light is looked at only where the scale is shown.
+    pub(super) fn top_of_scale(&self) -> f32 {
+        let (Some(snapshot), Some(pane)) = (&self.snapshot, self.panes.first()) else {
+            return 1.0;
+        };
+        let units = snapshot.mesh().scene().units;
+        let is_shown = self.prefs.display.quantity == Quantity::Illuminance;
+        let shown = pane.light.irradiance.iter().filter(|_| is_shown);
+        self.prefs
+            .display
+            .scale_top(shown.map(|&h| units.illuminance(h)))
     }
 
     /// The estimate of the light to come that a lane shows.

@@ -5,7 +5,7 @@ mod files;
 mod scene;
 mod view;
 
-pub use dialogs::{Dialogs, Pick};
+pub use dialogs::{Answer, Dialogs, Pick};
 pub use view::Motion;
 
 use crate::display::{Display, Quantity};
@@ -19,7 +19,7 @@ use crate::session::{Command, LaneView, Mixer, Session, Snapshot, Source, Status
 use crate::walk::{Body, Eye, EyeMode, Path};
 use glam::Vec3;
 use hemicube_raster::Rgb;
-use hemicube_scene::Scene;
+use hemicube_scene::{Scene, SceneOptions};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -49,6 +49,8 @@ pub struct Desk {
     pub light_serial: u64,
     /// Factor on all light that the picture shows.
     pub exposure: f32,
+    /// Top of the scale of false colours, in lx.
+    pub scale_top: f32,
     /// Where one looks from.
     pub eye: Eye,
     /// Speed downwards of one who falls.
@@ -87,6 +89,8 @@ pub struct Desk {
     pub shows_help: bool,
     /// Text of the field for paths.
     pub typed_path: String,
+    /// A file that is typed because the system has no dialogs, and what for.
+    pub typed_file: Option<(Pick, String)>,
     /// Name of the lighting that is about to be kept.
     pub typed_lighting: String,
     /// What was just done, or went wrong beside the solver.
@@ -97,6 +101,8 @@ pub struct Desk {
     pub wanted_picture: Option<PathBuf>,
     /// How long frames take.
     pub frames: FrameTimes,
+    /// Whether the scene is on its way to the device that draws.
+    pub waits_for_device: bool,
     /// A session that waits for its scene.
     pending: Option<Document>,
     /// Where the eye was in the last frame, and when it last moved.
@@ -104,11 +110,16 @@ pub struct Desk {
     moved: Option<Instant>,
     /// The scene as its file has it.
     original: Option<Arc<Scene>>,
-    /// What the exposure was worked out for.
+    /// What the exposure and the scale were worked out for.
     exposed: Option<(u64, Display)>,
     /// The scene that one stands in, by what it was opened by.
     entered: Option<String>,
     watch: Watch,
+    /// Between two times that new light is taken over, and what is left of it while such light waits.
+    pause: Option<Pause>,
+    pub(crate) due: Option<Duration>,
+    /// Name of the camera that the next scene is entered by.
+    pub camera: Option<String>,
     wake: Wake,
 }
 
@@ -125,6 +136,28 @@ pub struct Pane {
     pub light: Arc<Light>,
 }
 
+/// Time that is left to input: new light is taken over for at most a fifth of the time, however large the scene is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pause {
+    ends: Instant,
+}
+
+impl Pause {
+    /// After something that began then and ends now.
+    pub(crate) fn after(begin: Instant) -> Self {
+        let now = Instant::now();
+        Self {
+            ends: now + 4 * (now - begin),
+        }
+    }
+
+    /// What is left of it.
+    pub(crate) fn left(self) -> Option<Duration> {
+        let left = self.ends.saturating_duration_since(Instant::now());
+        (!left.is_zero()).then_some(left)
+    }
+}
+
 /// What was just done.
 #[derive(Debug, Clone)]
 pub struct Notice {
@@ -136,12 +169,12 @@ pub struct Notice {
 }
 
 impl Desk {
-    /// A desk with a scene on its way.
-    pub fn new(prefs: Prefs, scene: &str, wake: Wake) -> Self {
+    /// A desk without a scene.
+    pub fn new(prefs: Prefs, wake: Wake) -> Self {
         let session = Session::start(prefs.settings);
         let awake = wake.clone();
         session.wake_by(move || awake());
-        let mut desk = Self {
+        Self {
             session,
             prefs,
             snapshot: None,
@@ -149,6 +182,7 @@ impl Desk {
             panes: Vec::new(),
             light_serial: 0,
             exposure: 1.0,
+            scale_top: 1.0,
             eye: Eye {
                 position: Vec3::ZERO,
                 yaw: 0.0,
@@ -175,11 +209,13 @@ impl Desk {
             hemicube_lit: false,
             shows_help: false,
             typed_path: String::new(),
+            typed_file: None,
             typed_lighting: String::new(),
             notice: None,
             dialogs: Dialogs::default(),
             wanted_picture: None,
             frames: FrameTimes::default(),
+            waits_for_device: false,
             pending: None,
             seen: None,
             moved: None,
@@ -187,10 +223,11 @@ impl Desk {
             exposed: None,
             entered: None,
             watch: Watch::default(),
+            pause: None,
+            due: None,
+            camera: None,
             wake,
-        };
-        desk.open(scene);
-        desk
+        }
     }
 
     /// Takes over what is new; to be called once a frame.
@@ -198,12 +235,18 @@ impl Desk {
         self.status = self.session.status();
         let newest = self.session.snapshot();
         let serial = |snapshot: &Option<Arc<Snapshot>>| snapshot.as_ref().map(|s| s.serial);
-        let is_new = serial(&newest) != serial(&self.snapshot);
+        let is_other = serial(&newest) != serial(&self.snapshot);
+        self.due = self.pause.filter(|_| is_other).and_then(Pause::left);
+        let is_new = is_other && self.due.is_none();
+        let begin = Instant::now();
         if let Some(snapshot) = newest.filter(|_| is_new) {
             self.take_over(snapshot);
         }
         self.refresh_panes(is_new);
         self.refresh_exposure();
+        if is_new {
+            self.pause = Some(Pause::after(begin));
+        }
         self.refresh_readings();
         self.finish_jobs();
         self.refresh_watch();
@@ -278,6 +321,7 @@ impl Desk {
         let wanted = Some((self.light_serial, self.prefs.display));
         if self.exposed != wanted {
             self.exposure = self.exposure_factor();
+            self.scale_top = self.top_of_scale();
             self.exposed = wanted;
         }
     }
@@ -312,8 +356,12 @@ impl Desk {
                 Err(why) => self.complain(why),
             }
         }
-        while let Some((pick, path)) = self.dialogs.answer() {
-            self.picked(pick, path);
+        while let Some(answer) = self.dialogs.answer() {
+            match answer {
+                Answer::Picked(pick, path) => self.picked(pick, path),
+                Answer::Closed => {}
+                Answer::NoDialog(pick, name) => self.typed_file = Some((pick, name)),
+            }
         }
     }
 
@@ -360,12 +408,20 @@ impl Desk {
 
     /// Opens a file or a built-in scene, or goes on with a session.
     pub fn open(&mut self, name: &str) {
+        self.open_changed(name, None);
+    }
+
+    /// Opens a file or a built-in scene with changes.
+    pub fn open_changed(&mut self, name: &str, changes: Option<SceneOptions>) {
         if Document::is_named(name) && std::path::Path::new(name).is_file() {
             self.open_document(name);
             return;
         }
         self.pending = None;
-        self.session
-            .send(Command::Open(Source::Named(name.to_owned())));
+        let name = name.to_owned();
+        self.session.send(Command::Open(match changes {
+            Some(changes) => Source::Adjusted(name, Box::new(changes)),
+            None => Source::Named(name),
+        }));
     }
 }

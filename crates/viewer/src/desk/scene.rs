@@ -30,13 +30,8 @@ impl Desk {
         self.original = Some(mesh.scene().clone());
         self.path = Path::default();
         self.playing = None;
-        self.look_through(
-            &self
-                .stops()
-                .first()
-                .cloned()
-                .unwrap_or_else(|| choose_camera(mesh)),
-        );
+        let first = self.first_stop().unwrap_or_else(|| choose_camera(mesh));
+        self.look_through(&first);
         if let Some(path) = source
             .as_ref()
             .filter(|source| std::path::Path::new(source).is_file())
@@ -59,6 +54,24 @@ impl Desk {
                 self.edit(edit);
             }
         }
+    }
+
+    /// The camera that was asked for, or the first.
+    fn first_stop(&mut self) -> Option<Camera> {
+        let wanted = self.camera.take();
+        let found = self
+            .stops()
+            .iter()
+            .find(|camera| Some(&camera.name) == wanted.as_ref());
+        let camera = found.or(self.stops().first()).cloned();
+        if let (None, Some(wanted)) = (found, wanted) {
+            let names: Vec<&str> = self.stops().iter().map(|stop| &*stop.name).collect();
+            let names = names.join(", ");
+            self.complain(format!(
+                "no camera is called '{wanted}'; there are: {names}"
+            ));
+        }
+        camera
     }
 
     /// Cameras of the scene.
@@ -165,16 +178,6 @@ impl Desk {
         } else {
             10_000.0
         }
-    }
-
-    /// Top of the scale of false colours, in lx.
-    pub fn scale_top(&self) -> f32 {
-        let (Some(snapshot), Some(pane)) = (&self.snapshot, self.panes.first()) else {
-            return 1.0;
-        };
-        let units = snapshot.mesh().scene().units;
-        let illuminances = pane.light.irradiance.iter().map(|&h| units.illuminance(h));
-        self.prefs.display.scale_top(illuminances)
     }
 
     /// Other ways to the light.

@@ -66,7 +66,12 @@ impl Desk {
     /// Whether the picture stays as it is: the light is not on its way, and nobody moved for a while.
     pub fn is_still(&self) -> bool {
         let is_solving = matches!(self.status.phase, Phase::Solving | Phase::Preparing);
-        !is_solving && self.moved.is_none_or(|moved| moved.elapsed() > STILL)
+        !is_solving && !self.moves()
+    }
+
+    /// Whether somebody moved a moment ago.
+    pub fn moves(&self) -> bool {
+        self.moved.is_some_and(|moved| moved.elapsed() <= STILL)
     }
 
     /// Notes where the eye is; returns how long it has to stay there to be still.

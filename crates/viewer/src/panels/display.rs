@@ -83,6 +83,7 @@ fn switches(ui: &mut Ui, desk: &mut Desk) {
         (&mut display.flat, "Flat elements", "L"),
         (&mut display.ambient, "Ambient estimate", "I"),
         (&mut display.smooth_edges, "Smooth edges", ""),
+        (&mut display.coarse_motion, "Coarse if late", ""),
     ];
     egui::Grid::new("switches")
         .num_columns(2)

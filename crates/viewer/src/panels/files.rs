@@ -2,13 +2,21 @@
 
 use crate::desk::{Desk, Pick};
 use crate::session::Command;
-use egui::{Align2, Button, Color32, Frame, RichText, Ui};
+use crate::theme::ACCENT;
+use core::f32::consts::TAU;
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{
+    Align2, Button, Color32, Frame, Key, PopupCloseBehavior, RichText, ScrollArea, Sense, Stroke,
+    TextEdit, Ui, Vec2,
+};
 use hemicube_scene::builtin;
 use std::path::Path;
 
 /// The menu of what can be opened.
 pub fn open_menu(ui: &mut Ui, desk: &mut Desk) {
-    ui.menu_button("Open", |ui| {
+    // One clicks into the field as well.
+    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    MenuButton::new("Open").config(stays).ui(ui, |ui| {
         ui.set_min_width(240.0);
         if ui
             .button("File…")
@@ -23,7 +31,7 @@ pub fn open_menu(ui: &mut Ui, desk: &mut Desk) {
             .text_edit_singleline(&mut desk.typed_path)
             .labelled_by(label.id);
         if field.lost_focus()
-            && ui.input(|i| i.key_pressed(egui::Key::Enter))
+            && ui.input(|i| i.key_pressed(Key::Enter))
             && !desk.typed_path.is_empty()
         {
             let path = core::mem::take(&mut desk.typed_path);
@@ -31,31 +39,36 @@ pub fn open_menu(ui: &mut Ui, desk: &mut Desk) {
             ui.close();
         }
         ui.separator();
-        ui.label(RichText::new("Built in").weak());
-        for scene in builtin::list() {
-            if ui
-                .button(scene.name)
-                .on_hover_text(scene.description)
-                .clicked()
-            {
-                desk.open(scene.name);
-                ui.close();
-            }
-        }
-        if !desk.prefs.recent.is_empty() {
-            ui.separator();
-            ui.label(RichText::new("Recent").weak());
-        }
-        for path in desk.prefs.recent.clone() {
-            let name = Path::new(&path)
-                .file_name()
-                .map_or(path.clone(), |name| name.to_string_lossy().into_owned());
-            if ui.button(name).on_hover_text(&path).clicked() {
-                desk.open(&path);
-                ui.close();
-            }
-        }
+        let height = (ui.ctx().content_rect().height() - 180.0).max(80.0);
+        ScrollArea::vertical()
+            .max_height(height)
+            .show(ui, |ui| known_scenes(ui, desk));
     });
+}
+
+/// What is built in, and what was opened lately.
+fn known_scenes(ui: &mut Ui, desk: &mut Desk) {
+    ui.label(RichText::new("Built in").weak());
+    for scene in builtin::list() {
+        let button = ui.button(scene.name).on_hover_text(scene.description);
+        if button.clicked() {
+            desk.open(scene.name);
+            ui.close();
+        }
+    }
+    if !desk.prefs.recent.is_empty() {
+        ui.separator();
+        ui.label(RichText::new("Recent").weak());
+    }
+    for path in desk.prefs.recent.clone() {
+        let name = Path::new(&path)
+            .file_name()
+            .map_or(path.clone(), |name| name.to_string_lossy().into_owned());
+        if ui.button(name).on_hover_text(&path).clicked() {
+            desk.open(&path);
+            ui.close();
+        }
+    }
 }
 
 /// A scene that is on its way, with a way to stop it.
@@ -75,7 +88,7 @@ pub fn opening(ui: &mut Ui, desk: &mut Desk) {
         .anchor(Align2::CENTER_TOP, [0.0, 64.0])
         .show(ui.ctx(), |ui| {
             ui.horizontal(|ui| {
-                ui.spinner();
+                clock(ui, seconds);
                 ui.vertical(|ui| {
                     ui.label(RichText::new(format!("Opening {}", opening.name)).strong());
                     ui.label(format!("{}, {seconds:.0} s", opening.stage));
@@ -86,6 +99,47 @@ pub fn opening(ui: &mut Ui, desk: &mut Desk) {
             });
         });
     ui.ctx().request_repaint_after_secs(0.2);
+}
+
+/// Something that turns with the seconds. A spinner would ask for frames without end, for which the processor may have to
+/// draw while it is wanted for the scene.
+fn clock(ui: &mut Ui, seconds: f32) {
+    let (rect, _) = ui.allocate_exact_size(Vec2::splat(20.0), Sense::hover());
+    let stroke = Stroke::new(2.0, ui.visuals().weak_text_color());
+    ui.painter().circle_stroke(rect.center(), 8.0, stroke);
+    let hand = Vec2::angled(TAU * (0.25 * seconds - 0.25)) * 6.0;
+    let stroke = Stroke::new(2.0, ACCENT);
+    ui.painter()
+        .line_segment([rect.center(), rect.center() + hand], stroke);
+}
+
+/// A field for a path, where the system has no dialogs.
+pub fn typed(ui: &mut Ui, desk: &mut Desk) {
+    let Some((pick, mut text)) = desk.typed_file.take() else {
+        return;
+    };
+    let shown = egui::Window::new(pick.title())
+        .collapsible(false)
+        .resizable(false)
+        .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
+        .show(ui.ctx(), |ui| {
+            let label = ui.label("This system shows no file dialogs. Path:");
+            let field = TextEdit::singleline(&mut text).desired_width(360.0);
+            let field = ui.add(field).labelled_by(label.id);
+            let enters = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+            ui.horizontal(|ui| {
+                let goes_on = ui.button("Go on").clicked() || enters;
+                (goes_on, ui.button("Cancel").clicked())
+            })
+            .inner
+        });
+    let (goes_on, ends) = shown.and_then(|shown| shown.inner).unwrap_or_default();
+    let path = text.trim();
+    if goes_on && !path.is_empty() {
+        desk.picked(pick, path.into());
+    } else if !ends {
+        desk.typed_file = Some((pick, text));
+    }
 }
 
 /// Errors until they were read, notices for a while.
@@ -111,7 +165,7 @@ pub fn messages(ui: &mut Ui, desk: &mut Desk) {
 /// A line over the picture; whether it was dismissed.
 fn message(ui: &Ui, id: &str, text: &str, color: Color32) -> bool {
     let height = if id == "error" { -72.0 } else { -36.0 };
-    let frame = Frame::window(&ui.ctx().global_style()).stroke(egui::Stroke::new(1.5, color));
+    let frame = Frame::window(&ui.ctx().global_style()).stroke(Stroke::new(1.5, color));
     egui::Window::new(id)
         .title_bar(false)
         .resizable(false)

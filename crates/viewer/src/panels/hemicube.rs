@@ -108,30 +108,88 @@ fn own_color(element: usize) -> Color32 {
 /// The five faces as a cross: the top in the middle, each side folded down where its upper edge meets the top.
 fn unfolded(buffers: &ItemBuffers, color: impl Fn(u32) -> Color32) -> ColorImage {
     let n = buffers.resolution;
-    let half = n / 2;
-    let side = n + 2 * half;
+    let side = n + 2 * (n / 2);
     let mut image = ColorImage::filled([side, side], Color32::TRANSPARENT);
     for (face, items) in buffers.faces.iter().enumerate() {
         for (i, &item) in items.iter().enumerate() {
-            let (x, y) = (i % n, i / n);
-            let at = match face {
-                0 => [half + x, half + y],
-                // Row 0 of a side is its upper edge, next to the top.
-                1 => [half + n + y, half + n - 1 - x],
-                2 => [half + x, half - 1 - y.min(half - 1)],
-                3 => [half - 1 - y.min(half - 1), half + x],
-                _ => [half + n - 1 - x, half + n + y],
-            };
-            if at[0] < side && at[1] < side {
-                image[(at[0], at[1])] = color(item);
-            }
+            let [x, y] = place(face, [i % n, i / n], n);
+            image[(x, y)] = color(item);
         }
     }
     image
+}
+
+/// Where a cell of a face lies in the cross. The top shows -x at its right and +y above, as one sees them who looks up
+/// from the patch; the sides look to +x, +y, -x and -y, and row 0 of each meets the top.
+fn place(face: usize, [column, row]: [usize; 2], n: usize) -> [usize; 2] {
+    let half = n / 2;
+    let (inner, outer) = (half - 1 - row.min(half - 1), half + n + row.min(half - 1));
+    match face {
+        0 => [half + column, half + row],
+        1 => [inner, half + column],
+        2 => [half + n - 1 - column, inner],
+        3 => [outer, half + n - 1 - column],
+        _ => [half + column, outer],
+    }
 }
 
 /// A colour that a display shows, for labels beside it.
 pub fn display_color(color: Rgb) -> Color32 {
     let [r, g, b] = color.to_array().map(srgb8_from_linear);
     Color32::from_rgb(r, g, b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hemicube_radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
+    use hemicube_radiosity::{PatchMesh, PatchOptions};
+    use hemicube_scene::builtin;
+
+    #[test]
+    fn what_meets_in_the_room_meets_at_the_folds() {
+        let scene = Arc::new(builtin::scene("cornell").expect("it is built in"));
+        let options = PatchOptions::default().with_elements(300).with_patches(60);
+        let mesh = Arc::new(PatchMesh::build(scene, options).expect("it has faces"));
+        let n = 64;
+        let hemicubes = HemicubeOptions::default()
+            .with_resolution(n)
+            .with_max_points(1);
+        let hemicube = Hemicube::new(mesh.clone(), hemicubes).expect("it fits");
+        let n = n as usize;
+        let (mut same, mut all) = ([0; 4], [0; 4]);
+        for &patch in mesh.patches() {
+            let buffers = hemicube.item_buffers(patch);
+            let mut cross = vec![ItemBuffers::NOTHING; 4 * n * n];
+            for (face, items) in buffers.faces.iter().enumerate() {
+                for (i, &item) in items.iter().enumerate() {
+                    let [x, y] = place(face, [i % n, i / n], n);
+                    cross[2 * n * y + x] = item;
+                }
+            }
+            let (low, high) = (n / 2, n / 2 + n);
+            for i in low..high {
+                let folds = [
+                    ([low, i], [low - 1, i]),
+                    ([i, low], [i, low - 1]),
+                    ([high - 1, i], [high, i]),
+                    ([i, high - 1], [i, high]),
+                ];
+                for (fold, (a, b)) in folds.into_iter().enumerate() {
+                    let at = |[x, y]: [usize; 2]| cross[2 * n * y + x];
+                    same[fold] += usize::from(at(a) == at(b));
+                    all[fold] += 1;
+                }
+            }
+        }
+        for fold in 0..4 {
+            // Neighbouring cells see neighbouring points; edges of elements run between some of them.
+            assert!(
+                same[fold] * 10 > all[fold] * 8,
+                "fold {fold}: {} of {}",
+                same[fold],
+                all[fold]
+            );
+        }
+    }
 }

@@ -8,6 +8,9 @@ use hemicube_radiosity::MaterialEdit;
 use hemicube_raster::Rgb;
 use hemicube_scene::Units;
 
+/// Width of sliders that have a colour before and a number behind them.
+const SLIDER: f32 = 72.0;
+
 pub fn show(ui: &mut Ui, desk: &mut Desk) {
     section(ui, "Surface", true, |ui| {
         let Some(reading) = desk.selection else {
@@ -89,6 +92,7 @@ fn material(ui: &mut Ui, desk: &mut Desk, index: usize) {
                 desk.edit(MaterialEdit::new(index).with_base_color(Rgb::from(color)));
             }
             let mut mean = base_color.luminance();
+            ui.spacing_mut().slider_width = SLIDER;
             let slider = Slider::new(&mut mean, 0.0..=0.98)
                 .show_value(true)
                 .max_decimals(2);
@@ -135,6 +139,7 @@ fn emission_rows(ui: &mut Ui, desk: &mut Desk, index: usize, emission: Rgb) {
             );
         }
         let mut level = emission.luminance();
+        ui.spacing_mut().slider_width = SLIDER;
         let before = level;
         let slider = Slider::new(&mut level, 0.0..=most)
             .logarithmic(true)

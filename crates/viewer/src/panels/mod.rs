@@ -20,15 +20,29 @@ pub use keys::obey_keys;
 pub use view::{Tile, tiles, view};
 
 use crate::desk::Desk;
-use egui::{RichText, ScrollArea, Ui};
+use egui::{Color32, RichText, ScrollArea, Ui};
 
-/// Everything around the picture. Returns what is left for it.
+/// Width of a side panel, and least width of the picture: in a window that is narrower than two panels with the picture
+/// between them the panel at the right waits until the other one is closed.
+const PANEL: f32 = 272.0;
+const PICTURE: f32 = 300.0;
+
+/// Everything around the picture. The window is cleared in the colour of panels, which therefore fill nothing: where the
+/// processor draws, each layer of pixels is felt.
 pub fn around(ui: &mut Ui, desk: &mut Desk, textures: &mut HemicubeTexture) {
-    egui::Panel::top("toolbar").show(ui, |ui| toolbar::show(ui, desk));
-    egui::Panel::bottom("status").show(ui, |ui| status::show(ui, desk));
+    let style = ui.ctx().global_style();
+    let bar = egui::Frame::side_top_panel(&style).fill(Color32::TRANSPARENT);
+    egui::Panel::top("toolbar")
+        .frame(bar)
+        .show(ui, |ui| toolbar::show(ui, desk));
+    egui::Panel::bottom("status")
+        .frame(bar)
+        .show(ui, |ui| status::show(ui, desk));
+    let has_room_for_both = ui.available_width() >= 2.0 * PANEL + PICTURE;
     if desk.prefs.left_open {
         egui::Panel::left("left")
-            .default_size(272.0)
+            .frame(bar)
+            .default_size(PANEL)
             .size_range(240.0..=420.0)
             .show(ui, |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -39,9 +53,10 @@ pub fn around(ui: &mut Ui, desk: &mut Desk, textures: &mut HemicubeTexture) {
                 });
             });
     }
-    if desk.prefs.right_open {
+    if desk.prefs.right_open && (has_room_for_both || !desk.prefs.left_open) {
         egui::Panel::right("right")
-            .default_size(272.0)
+            .frame(bar)
+            .default_size(PANEL)
             .size_range(240.0..=420.0)
             .show(ui, |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -59,6 +74,7 @@ pub fn around(ui: &mut Ui, desk: &mut Desk, textures: &mut HemicubeTexture) {
 pub fn over(ui: &mut Ui, desk: &mut Desk) {
     help::show(ui, desk);
     files::opening(ui, desk);
+    files::typed(ui, desk);
     files::messages(ui, desk);
     files::dropped(ui, desk);
 }

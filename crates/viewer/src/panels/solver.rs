@@ -5,9 +5,10 @@ use crate::format::{number, share, thousands};
 use crate::panels::plot::{Curve, plot};
 use crate::panels::toolbar::solver_label;
 use crate::panels::{fact, row, section};
+use crate::session::{LaneView, Moment, Snapshot};
 use crate::theme::LINES;
 use egui::{ComboBox, RichText, Ui};
-use hemicube_radiosity::Quality;
+use hemicube_radiosity::{Quality, SolverKind};
 
 pub fn show(ui: &mut Ui, desk: &mut Desk) {
     section(ui, "Solver", true, |ui| {
@@ -21,13 +22,14 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
 
 fn settings(ui: &mut Ui, desk: &mut Desk) {
     let mut settings = desk.prefs.settings;
-    let mut quality = settings.quality();
+    let before = settings.mesh.is_none().then_some(settings.quality());
+    let mut quality = before;
     row(ui, "Mesh", |ui| {
         ComboBox::from_id_salt("quality")
-            .selected_text(quality.name())
+            .selected_text(quality.map_or("as asked", Quality::name))
             .show_ui(ui, |ui| {
                 for other in Quality::ALL {
-                    ui.selectable_value(&mut quality, other, other.name());
+                    ui.selectable_value(&mut quality, Some(other), other.name());
                 }
             })
             .response
@@ -35,7 +37,10 @@ fn settings(ui: &mut Ui, desk: &mut Desk) {
     });
     ui.checkbox(&mut settings.side_by_side, "Four variants side by side")
         .on_hover_text("Gathering, shooting, sorted, sorted + ambient: from the same start, with the same number of steps");
-    desk.configure(settings.with_quality(quality));
+    if let Some(quality) = quality.filter(|_| quality != before) {
+        settings = settings.with_quality(quality);
+    }
+    desk.configure(settings);
 }
 
 fn lanes(ui: &mut Ui, desk: &Desk) {
@@ -56,9 +61,14 @@ fn lanes(ui: &mut Ui, desk: &Desk) {
                     .color(LINES[i % LINES.len()])
                     .strong(),
             );
+        } else {
+            fact(ui, "Solver", solver_label(lane.kind));
         }
         fact(ui, "Steps", thousands(lane.progress.iteration as f64));
         fact(ui, "Unshot", share(lane.progress.unshot));
+        if let Some(noise) = lane.progress.noise {
+            fact(ui, "Noise", share(noise));
+        }
         if let Some(error) = lane
             .history
             .moments()
@@ -94,33 +104,52 @@ fn curves(ui: &mut Ui, desk: &Desk) {
         .collect();
     ui.label(RichText::new("Unshot share over seconds").small().weak());
     plot(ui, "unshot", 110.0, &unshot);
-    let errors: Vec<Curve> = lanes()
-        .map(|(i, lane)| {
-            let known = lane
+    errors(ui, snapshot);
+}
+
+/// The error where it is known, else what can be said of it.
+fn errors(ui: &mut Ui, snapshot: &Snapshot) {
+    let curves = |of: fn(&Moment) -> Option<f64>| -> Vec<Curve> {
+        let curve = |(i, lane): (usize, &LaneView)| Curve {
+            color: LINES[i % LINES.len()],
+            points: lane
                 .history
                 .moments()
                 .iter()
-                .filter_map(|m| Some([m.seconds, m.error?]));
-            Curve {
-                color: color(i),
-                points: known.collect(),
-            }
-        })
-        .collect();
-    if errors.iter().any(|curve| curve.points.len() > 1) {
-        ui.label(
-            RichText::new("Error against the finished light")
-                .small()
-                .weak(),
-        );
-        plot(ui, "error", 110.0, &errors);
+                .filter_map(|moment| Some([moment.seconds, of(moment)?]))
+                .collect(),
+        };
+        snapshot.lanes.iter().enumerate().map(curve).collect()
+    };
+    let is_there = |curves: &[Curve]| curves.iter().any(|curve| curve.points.len() > 1);
+    let known = curves(|moment| moment.error);
+    let estimates = curves(|moment| moment.estimate);
+    let is_by_rays = snapshot.lanes[0].kind == SolverKind::Stochastic;
+    let (name, shown, hint) = if is_there(&known) {
+        (
+            "Error against the finished light",
+            known,
+            "Root mean square of radiosity by area, relative",
+        )
+    } else if is_there(&estimates) && is_by_rays {
+        (
+            "Noise of the rays",
+            estimates,
+            "Relative standard error of irradiance, root mean square over the elements",
+        )
+    } else if is_there(&estimates) {
+        (
+            "Light still to come, as the ambient estimate says",
+            estimates,
+            "Share of the mean irradiance; the error itself is known once the light is found: restart then",
+        )
     } else {
-        ui.label(
-            RichText::new(
-                "The error is known once the light is found: restart then, or choose another way.",
-            )
-            .small()
-            .weak(),
-        );
-    }
+        let why =
+            "The error is known once the light is found: restart then, or choose another way.";
+        ui.label(RichText::new(why).small().weak());
+        return;
+    };
+    ui.label(RichText::new(name).small().weak())
+        .on_hover_text(hint);
+    plot(ui, "error", 110.0, &shown);
 }

@@ -53,12 +53,14 @@ pub fn show(ui: &mut Ui, desk: &Desk) {
 }
 
 fn frame_time(ui: &mut Ui, desk: &Desk) {
-    let text = match desk.frames.report() {
+    // Of a few frames nothing can be said.
+    let report = desk.frames.report().filter(|report| report.frames >= 10);
+    let text = match &report {
         Some(report) => format!("{:.1} ms", 1e3 * report.median.as_secs_f64()),
         None => String::from("– ms"),
     };
     let label = ui.label(RichText::new(text).monospace().weak());
-    if let Some(report) = desk.frames.report() {
+    if let Some(report) = report {
         label.on_hover_text(report.to_string());
     }
     ui.separator();

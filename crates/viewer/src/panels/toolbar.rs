@@ -78,15 +78,19 @@ fn method(ui: &mut Ui, desk: &mut Desk) {
     let mut solver = settings.solver();
     ui.add_enabled_ui(!settings.side_by_side, |ui| {
         ComboBox::from_id_salt("solver")
-            .selected_text(solver_label(solver))
+            .selected_text(solver.map_or(AUTOMATIC, solver_label))
             .width(168.0)
             .show_ui(ui, |ui| {
+                ui.selectable_value(&mut solver, None, AUTOMATIC);
                 for kind in SolverKind::ALL {
-                    ui.selectable_value(&mut solver, kind, solver_label(kind));
+                    ui.selectable_value(&mut solver, Some(kind), solver_label(kind));
                 }
             })
             .response
-            .on_hover_text("Way to the equilibrium of light; the light that is there stays");
+            .on_hover_text(
+                "Way to the equilibrium of light; the light that is there stays. Automatic: sorted shooting with the \
+                 ambient estimate, or rays alone for more than 40,000 elements",
+            );
     });
     ComboBox::from_id_salt("form factors")
         .selected_text(settings.factors.label())
@@ -100,6 +104,9 @@ fn method(ui: &mut Ui, desk: &mut Desk) {
         .on_hover_text("What computes form factors, and where");
     desk.configure(settings.with_solver(solver));
 }
+
+/// The solver that fits the size of the scene.
+const AUTOMATIC: &str = "Automatic";
 
 /// A solver as people call it.
 pub fn solver_label(kind: SolverKind) -> &'static str {

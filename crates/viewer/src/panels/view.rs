@@ -2,16 +2,15 @@
 
 use crate::desk::Desk;
 use crate::display::Quantity;
-use crate::format::number;
+use crate::draw::{DECADES, PanePaint};
+use crate::format::{number, share as percent};
 use crate::panels::hemicube::display_color;
 use crate::panels::toolbar::solver_label;
 use crate::panes::Tiling;
 use crate::theme::LINES;
 use crate::walk::EyeMode;
-use egui::{
-    Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextureId, Ui,
-    Vec2,
-};
+use egui::{Align2, Color32, FontId, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
+use egui_wgpu::Callback;
 use hemicube_raster::colormap::Colormap;
 
 /// Radians that the eye turns by while the pointer crosses the height of the picture.
@@ -68,7 +67,7 @@ pub fn view(
     desk: &mut Desk,
     rect: Rect,
     tiles: &[Tile],
-    pictures: &[Option<TextureId>],
+    pictures: &[Option<PanePaint>],
 ) {
     let response = ui.interact(rect, ui.scope_id().with("picture"), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "picture"));
@@ -88,14 +87,23 @@ pub fn view(
         painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
     }
     for (tile, picture) in tiles.iter().zip(pictures) {
-        if let Some(id) = picture {
-            let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-            painter.image(*id, tile.rect, uv, Color32::WHITE);
+        if let Some(picture) = picture {
+            let shown = Callback::new_paint_callback(tile.rect, picture.clone());
+            painter.add(shown);
         }
+    }
+    if desk.waits_for_device {
+        let text = "The scene is being put on the device";
+        plate(
+            &painter,
+            rect.left_top() + Vec2::splat(12.0),
+            text,
+            Color32::WHITE,
+        );
     }
     titles(&painter, desk, tiles);
     marks(&painter, desk, tiles);
-    if desk.prefs.display.quantity == Quantity::Illuminance && !desk.panes.is_empty() {
+    if !desk.panes.is_empty() {
         legend(&painter, desk, rect);
     }
 }
@@ -169,17 +177,20 @@ fn titles(painter: &egui::Painter, desk: &Desk, tiles: &[Tile]) {
 fn plate(painter: &egui::Painter, at: Pos2, text: &str, color: Color32) -> Rect {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), color);
     let rect = Rect::from_min_size(at, galley.size() + Vec2::new(14.0, 6.0));
-    painter.rect_filled(rect, 4.0, Color32::from_black_alpha(170));
+    painter.rect_filled(rect, 4.0, Color32::from_black_alpha(205));
     painter.galley(at + Vec2::new(7.0, 3.0), galley, color);
     rect
 }
 
 /// A ring around the selected point, with its illuminance.
 fn marks(painter: &egui::Painter, desk: &Desk, tiles: &[Tile]) {
-    let Some(reading) = &desk.selection else {
+    let (Some(reading), Some(snapshot)) = (&desk.selection, &desk.snapshot) else {
         return;
     };
-    for tile in tiles {
+    let units = snapshot.mesh().scene().units;
+    for (tile, pane) in tiles.iter().zip(&desk.panes) {
+        let irradiance = reading.element.map(|e| pane.light.irradiance[e]);
+        let illuminance = irradiance.map_or(reading.illuminance, |h| units.illuminance(h));
         let camera = desk.eye.camera("view");
         let to = reading.point - camera.eye;
         let depth = to.dot(camera.forward);
@@ -193,23 +204,26 @@ fn marks(painter: &egui::Painter, desk: &Desk, tiles: &[Tile]) {
         if tile.rect.contains(at) {
             painter.circle_stroke(at, 6.0, Stroke::new(3.0, Color32::from_black_alpha(160)));
             painter.circle_stroke(at, 6.0, Stroke::new(1.5, Color32::WHITE));
-            let text = format!("{} lx", number(f64::from(reading.illuminance)));
+            let text = format!("{} lx", number(f64::from(illuminance)));
             plate(painter, at + Vec2::new(12.0, -11.0), &text, Color32::WHITE);
         }
     }
 }
 
-/// The scale of false colours.
+/// The scale of false colours, if such colours are shown.
 fn legend(painter: &egui::Painter, desk: &Desk, rect: Rect) {
-    let top = desk.scale_top();
+    let (title, ticks) = match desk.prefs.display.quantity {
+        Quantity::Illuminance => ("lx", linear_ticks(desk.scale_top)),
+        Quantity::FormFactors => ("of the largest per area", decade_ticks()),
+        Quantity::Light | Quantity::Wireframe => return,
+    };
+    let font = |size| FontId::proportional(size);
+    let title = painter.layout_no_wrap(title.to_owned(), font(12.0), Color32::WHITE);
     let size = Vec2::new(14.0, (0.5 * rect.height()).clamp(80.0, 260.0));
     let bar = Rect::from_min_size(rect.left_bottom() + Vec2::new(16.0, -16.0 - size.y), size);
-    painter.rect_filled(
-        bar.expand2(Vec2::new(10.0, 26.0))
-            .with_max_x(bar.right() + 62.0),
-        5.0,
-        Color32::from_black_alpha(170),
-    );
+    let right = bar.right() + (title.size().x - size.x + 10.0).max(62.0);
+    let plate = bar.expand2(Vec2::new(10.0, 26.0)).with_max_x(right);
+    painter.rect_filled(plate, 5.0, Color32::from_black_alpha(205));
     let colors = Colormap::sequential();
     let steps = 64;
     for i in 0..steps {
@@ -218,25 +232,30 @@ fn legend(painter: &egui::Painter, desk: &Desk, rect: Rect) {
         let slice = Rect::from_x_y_ranges(bar.x_range(), y - bar.height() / steps as f32..=y + 0.5);
         painter.rect_filled(slice, 0.0, display_color(colors.color(share)));
     }
-    for i in 0..=5 {
-        let share = i as f32 / 5.0;
+    for (share, text) in ticks {
         let at = Pos2::new(bar.right() + 6.0, bar.bottom() - share * bar.height());
-        let text = number(f64::from(share * top));
-        painter.text(
-            at,
-            Align2::LEFT_CENTER,
-            text,
-            FontId::proportional(11.0),
-            Color32::WHITE,
-        );
+        painter.text(at, Align2::LEFT_CENTER, text, font(11.0), Color32::WHITE);
     }
-    painter.text(
-        bar.left_top() - Vec2::new(0.0, 8.0),
-        Align2::LEFT_BOTTOM,
-        "lx",
-        FontId::proportional(12.0),
-        Color32::WHITE,
-    );
+    let above = bar.left_top() - Vec2::new(0.0, 8.0 + title.size().y);
+    painter.galley(above, title, Color32::WHITE);
+}
+
+/// Places along a scale from 0 to `top`, and what is written there.
+fn linear_ticks(top: f32) -> Vec<(f32, String)> {
+    let tick = |i: u8| {
+        let share = f32::from(i) / 5.0;
+        (share, number(f64::from(share * top)))
+    };
+    (0..=5).map(tick).collect()
+}
+
+/// The same for shares on a logarithmic scale up to 1.
+fn decade_ticks() -> Vec<(f32, String)> {
+    let tick = |below: u8| {
+        let share = 1.0 - f32::from(below) / f32::from(DECADES);
+        (share, percent(10_f64.powi(-i32::from(below))))
+    };
+    (0..=DECADES).map(tick).collect()
 }
 
 #[cfg(test)]

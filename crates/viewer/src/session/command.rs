@@ -2,7 +2,7 @@
 
 use crate::session::Settings;
 use hemicube_radiosity::{MaterialEdit, Solution};
-use hemicube_scene::Scene;
+use hemicube_scene::{Scene, SceneOptions};
 use std::sync::Arc;
 
 /// What the window asks of the worker.
@@ -47,6 +47,8 @@ impl Command {
 pub enum Source {
     /// A file, lit or not, or the name of a built-in scene.
     Named(String),
+    /// The same with changes; the light of a lit file is lost.
+    Adjusted(String, Box<SceneOptions>),
     /// One that is here already, for another mesh.
     Scene(Arc<Scene>),
 }

@@ -11,6 +11,9 @@ pub struct Moment {
     pub unshot: f64,
     /// Relative error against the finished light, where that is known.
     pub error: Option<f64>,
+    /// What can be said of the error before that: the share of light that the ambient estimate says is still to come, or
+    /// the noise of rays. `None` for methods on a matrix.
+    pub estimate: Option<f64>,
 }
 
 /// Moments of which at most [`Self::MOST`] are kept: when they are too many, every second one goes and only every second of
@@ -64,6 +67,7 @@ mod tests {
                 steps: u64::from(i),
                 unshot: 0.0,
                 error: None,
+                estimate: None,
             });
         }
         let moments = history.moments();

@@ -198,6 +198,15 @@ impl<'a> Lane<'a> {
         }
     }
 
+    /// What can be said of the error while the light is not found.
+    fn estimate(&self, solution: &Solution, progress: &Progress) -> Option<f64> {
+        match &self.work {
+            Work::Shooting(_) | Work::Device(_) => Some(share_to_come(solution)),
+            Work::Rays(_) => progress.noise,
+            Work::Gathering(_) | Work::Matrix(_) | Work::Waiting(_) => None,
+        }
+    }
+
     /// What the window sees of it; notes the moment in its history.
     pub fn view(&mut self, truth: Option<&Solution>) -> LaneView {
         let solution = self.shown();
@@ -214,6 +223,7 @@ impl<'a> Lane<'a> {
             steps: progress.iteration,
             unshot: progress.unshot,
             error,
+            estimate: self.estimate(&solution, &progress),
         });
         LaneView {
             kind: self.kind,
@@ -339,6 +349,24 @@ impl Gathering {
             residual: self.change,
             noise: None,
         }
+    }
+}
+
+/// Share of all light on surfaces that the ambient estimate says is still to come: `A / (H + A)` with the ambient
+/// irradiance A of Cohen et al. 1988 and the mean irradiance H so far, both as luminance.
+fn share_to_come(solution: &Solution) -> f64 {
+    let mesh = solution.mesh();
+    let (mut flux, mut area) = (0.0, 0.0);
+    for e in 0..mesh.elements().len() {
+        let exposed = f64::from(mesh.exposed_area(e));
+        flux += exposed * f64::from(solution.element_irradiance(e).luminance());
+        area += exposed;
+    }
+    let to_come = area * f64::from(ambient_irradiance(solution).luminance());
+    if flux + to_come > 0.0 {
+        (to_come / (flux + to_come)).max(0.0)
+    } else {
+        0.0
     }
 }
 

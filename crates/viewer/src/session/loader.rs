@@ -1,7 +1,7 @@
 //! Opening a scene beside everything else: reading, meshing, first light.
 
 use crate::session::snapshot::Opening;
-use crate::session::{Board, Command, Inbox, Settings, Source, background_pool};
+use crate::session::{Board, Command, Inbox, Settings, Source, waited_for_pool};
 use hemicube_radiosity::export::lit_glb;
 use hemicube_radiosity::{RadiosityError, Solution, unlit};
 use hemicube_scene::{Scene, open, open_bytes};
@@ -50,7 +50,7 @@ impl Loader {
             board: self.board.clone(),
             since: Instant::now(),
             name: match &source {
-                Source::Named(name) => name.clone(),
+                Source::Named(name) | Source::Adjusted(name, _) => name.clone(),
                 Source::Scene(scene) => scene.name.clone(),
             },
         };
@@ -70,7 +70,7 @@ impl Loader {
             }
         };
         std::thread::Builder::new()
-            .name(String::from("hemicube loader"))
+            .name(String::from("loader"))
             .spawn(work)
             .expect("a thread can be started");
     }
@@ -110,13 +110,21 @@ impl Job {
                 Input::Lit(solution) => return Ok(*solution),
                 Input::Scene(scene) => Arc::new(*scene),
             },
+            Source::Adjusted(name, changes) => {
+                let mut scene = match read(&name)? {
+                    Input::Lit(solution) => Scene::clone(solution.mesh().scene()),
+                    Input::Scene(scene) => *scene,
+                };
+                scene.apply(&changes).map_err(|error| error.to_string())?;
+                Arc::new(scene)
+            }
         };
         if !self.is_wanted() {
             return Err(String::from("no longer wanted"));
         }
         self.at("meshing and first light");
         let stop = || !self.is_wanted();
-        let made = background_pool().install(|| unlit(scene, &settings.solve_options(), &stop));
+        let made = waited_for_pool().install(|| unlit(scene, &settings.solve_options(), &stop));
         made.map_err(|error| match error {
             RadiosityError::NoLight(_) => format!(
                 "{error} (open a scene with lights, or give a material an emission in its file)"

@@ -6,6 +6,7 @@
 //! stays if the new scene cannot be used.
 
 mod command;
+mod figures;
 mod history;
 mod inbox;
 mod lane;
@@ -19,10 +20,12 @@ pub use command::{Command, Source, Watch};
 pub use history::{History, Moment};
 pub use inbox::Inbox;
 pub use mixer::{Mix, MixGroup, MixSource, Mixer};
-pub use settings::{FactorsBy, Settings, VARIANTS};
+pub use settings::{Asked, FactorsBy, MeshSizes, Settings, VARIANTS};
 pub use snapshot::{HemicubePicture, LaneView, PatchRow, Phase, Snapshot, Status};
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 /// A worker thread and what it says.
 #[derive(Clone)]
@@ -45,6 +48,8 @@ impl core::fmt::Debug for Session {
 pub(crate) struct Board {
     snapshot: Mutex<Option<Arc<Snapshot>>>,
     status: Mutex<Status>,
+    /// Least microseconds between two snapshots.
+    pace: AtomicU64,
     wake: Mutex<Box<dyn Fn() + Send>>,
 }
 
@@ -66,6 +71,7 @@ impl Session {
         let board = Arc::new(Board {
             snapshot: Mutex::new(None),
             status: Mutex::new(Status::default()),
+            pace: AtomicU64::new(33_000),
             wake: Mutex::new(Box::new(|| {})),
         });
         let worker = worker::Worker::new(inbox.clone(), board.clone(), settings);
@@ -85,6 +91,12 @@ impl Session {
     /// `wake` is called, from the worker's thread, when there is something new to see.
     pub fn wake_by(&self, wake: impl Fn() + Send + 'static) {
         *lock(&self.board.wake) = Box::new(wake);
+    }
+
+    /// Least time between two states of the light while it is solved: as often as the window can show it. At first 33 ms.
+    pub fn set_pace(&self, pace: Duration) {
+        let micros = u64::try_from(pace.as_micros()).unwrap_or(u64::MAX);
+        self.board.pace.store(micros, Ordering::Relaxed);
     }
 
     /// Asks for something; returns at once.
@@ -119,6 +131,11 @@ impl Board {
         self.wake();
     }
 
+    /// Least time between two snapshots.
+    pub(crate) fn pace(&self) -> Duration {
+        Duration::from_micros(self.pace.load(Ordering::Relaxed))
+    }
+
     fn wake(&self) {
         (lock(&self.wake))();
     }
@@ -129,12 +146,37 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Threads for work in the background: all cores but one, which the window draws with.
+/// Threads for work in the background: all cores but one, which the window draws with. Where the processor draws, it
+/// draws with all cores; therefore these threads let it go first.
 pub(crate) fn background_pool() -> rayon::ThreadPool {
+    pool("background", stand_back)
+}
+
+/// Threads for what the window waits for.
+pub(crate) fn waited_for_pool() -> rayon::ThreadPool {
+    pool("loader", || {})
+}
+
+fn pool(name: &'static str, begin: impl Fn() + Send + Sync + 'static) -> rayon::ThreadPool {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     rayon::ThreadPoolBuilder::new()
         .num_threads(cores.saturating_sub(1).max(1))
-        .thread_name(|i| format!("hemicube background {i}"))
+        .thread_name(move |i| format!("{name} {i}"))
+        .start_handler(move |_| begin())
         .build()
         .expect("threads can be started")
+}
+
+/// How much a thread stands back: it gets a third of what the window gets while both want the processor, and all that
+/// is left.
+#[cfg(target_os = "linux")]
+const NICENESS: i32 = 5;
+
+/// Lets the window go first. Only Linux has priorities of single threads that need no rights.
+fn stand_back() {
+    #[cfg(target_os = "linux")]
+    {
+        // Where that is refused the thread works as it is.
+        let _ = rustix::process::nice(NICENESS);
+    }
 }

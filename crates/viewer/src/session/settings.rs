@@ -2,7 +2,7 @@
 
 use hemicube_radiosity::form_factor::FormFactorKind;
 use hemicube_radiosity::form_factor::hemicube::HemicubeOptions;
-use hemicube_radiosity::{Grouping, Quality, SolveOptions, SolverKind};
+use hemicube_radiosity::{Grouping, PatchOptions, Quality, SolveOptions, SolverKind};
 use serde::{Deserialize, Serialize};
 
 /// The four ways of the textbook, in the order of its figure.
@@ -46,18 +46,57 @@ impl FactorsBy {
     }
 }
 
+/// Sizes or numbers of patches and elements, as [`PatchOptions`] has them.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MeshSizes {
+    /// Longest edge of a patch. Default value: none.
+    pub patch_size: Option<f32>,
+    /// Longest edge of an element. Default value: none.
+    pub element_size: Option<f32>,
+    /// Patches to aim at. Default value: none.
+    pub patches: Option<usize>,
+    /// Elements to aim at. Default value: none.
+    pub elements: Option<usize>,
+}
+
+impl From<PatchOptions> for MeshSizes {
+    fn from(options: PatchOptions) -> Self {
+        Self {
+            patch_size: options.patch_size,
+            element_size: options.element_size,
+            patches: options.patches,
+            elements: options.elements,
+        }
+    }
+}
+
+impl From<MeshSizes> for PatchOptions {
+    fn from(sizes: MeshSizes) -> Self {
+        Self {
+            patch_size: sizes.patch_size,
+            element_size: sizes.element_size,
+            patches: sizes.patches,
+            elements: sizes.elements,
+        }
+    }
+}
+
 /// How the light is found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// Position of the way to the equilibrium in [`SolverKind::ALL`].
-    solver: usize,
+    /// Position of the way to the equilibrium in [`SolverKind::ALL`]; none, or one that there is not, means the best for
+    /// the size of the scene.
+    solver: Option<usize>,
     /// Whether the four [`VARIANTS`] run side by side instead. Default value: no.
     pub side_by_side: bool,
     /// What computes form factors. Default value: rays.
     pub factors: FactorsBy,
     /// Position of the preset in [`Quality::ALL`].
     quality: usize,
+    /// Another mesh than the preset's. Default value: none.
+    pub mesh: Option<MeshSizes>,
     /// Unshot share of the emitted flux at which the light counts as found. Default value: 1e-4.
     pub tolerance: f64,
     /// Whether emitters are solved each on their own, so that they can be dimmed. Default value: yes.
@@ -67,32 +106,42 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            solver: 0,
+            solver: None,
             side_by_side: false,
             factors: FactorsBy::default(),
             quality: 1,
+            mesh: None,
             tolerance: 1e-4,
             by_source: true,
         }
-        .with_solver(SolverKind::AmbientShooting)
     }
 }
 
 impl Settings {
-    /// Another way to the equilibrium. Default value: sorted shooting with the ambient estimate.
-    pub fn with_solver(self, solver: SolverKind) -> Self {
-        let place = SolverKind::ALL.iter().position(|&kind| kind == solver);
+    /// Another way to the equilibrium; none means the best for the size of the scene. Default value: none.
+    pub fn with_solver(self, solver: impl Into<Option<SolverKind>>) -> Self {
+        let solver = solver.into();
+        let place = |solver| SolverKind::ALL.iter().position(|&kind| kind == solver);
         Self {
-            solver: place.unwrap_or(0),
+            solver: solver.and_then(place),
             ..self
         }
     }
 
-    /// Another preset for the mesh. Default value: normal.
+    /// Another preset for the mesh, in place of sizes. Default value: normal.
     pub fn with_quality(self, quality: Quality) -> Self {
         let place = Quality::ALL.iter().position(|&other| other == quality);
         Self {
             quality: place.unwrap_or(0),
+            mesh: None,
+            ..self
+        }
+    }
+
+    /// Another mesh than the preset's.
+    pub fn with_mesh(self, mesh: MeshSizes) -> Self {
+        Self {
+            mesh: Some(mesh),
             ..self
         }
     }
@@ -115,12 +164,15 @@ impl Settings {
         Self { tolerance, ..self }
     }
 
-    /// The way to the equilibrium.
-    pub fn solver(&self) -> SolverKind {
-        SolverKind::ALL
-            .get(self.solver)
-            .copied()
-            .unwrap_or_default()
+    /// The way to the equilibrium that was chosen, if one was.
+    pub fn solver(&self) -> Option<SolverKind> {
+        SolverKind::ALL.get(self.solver?).copied()
+    }
+
+    /// The way to the equilibrium for so many elements.
+    pub fn solver_for(&self, elements: usize) -> SolverKind {
+        let best = || SolverKind::for_size(0, elements);
+        self.solver().unwrap_or_else(best)
     }
 
     /// The preset for the mesh.
@@ -128,25 +180,28 @@ impl Settings {
         Quality::ALL.get(self.quality).copied().unwrap_or_default()
     }
 
-    /// What runs: one way, or the four variants.
-    pub fn solvers(&self) -> Vec<SolverKind> {
+    /// What runs on so many elements: one way, or the four variants.
+    pub fn solvers(&self, elements: usize) -> Vec<SolverKind> {
         if self.side_by_side {
             VARIANTS.to_vec()
         } else {
-            vec![self.solver()]
+            vec![self.solver_for(elements)]
         }
     }
 
     /// Whether other settings ask for another mesh or other groups.
     pub fn wants_other_mesh(&self, other: &Self) -> bool {
-        (self.quality(), self.by_source) != (other.quality(), other.by_source)
+        let mesh = |s: &Self| (s.quality(), s.mesh, s.by_source);
+        mesh(self) != mesh(other)
     }
 
     /// As the solver's options.
     pub fn solve_options(&self) -> SolveOptions {
+        let preset = SolveOptions::from(self.quality());
         SolveOptions {
+            mesh: self.mesh.map_or(preset.mesh, PatchOptions::from),
             form_factors: self.factors.kind(),
-            solver: self.solver(),
+            solver: self.solver().unwrap_or_default(),
             tolerance: self.tolerance,
             hemicube: HemicubeOptions::default(),
             grouping: if self.by_source {
@@ -154,7 +209,38 @@ impl Settings {
             } else {
                 Grouping::Together
             },
-            ..self.quality().into()
+            ..preset
+        }
+    }
+}
+
+/// What somebody wants to be otherwise; the rest stays as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Asked {
+    /// Preset of the mesh. Default value: none.
+    pub quality: Option<Quality>,
+    /// Mesh in place of the preset's. Default value: none.
+    pub mesh: Option<MeshSizes>,
+    /// Way to the equilibrium. Default value: none.
+    pub solver: Option<SolverKind>,
+    /// What computes form factors. Default value: none.
+    pub factors: Option<FactorsBy>,
+    /// Unshot share at which the light counts as found. Default value: none.
+    pub tolerance: Option<f64>,
+}
+
+impl Asked {
+    /// Settings with what was asked for.
+    pub fn in_settings(&self, settings: Settings) -> Settings {
+        let mut asked = settings;
+        if let Some(quality) = self.quality {
+            asked = asked.with_quality(quality);
+        }
+        Settings {
+            mesh: self.mesh.or(asked.mesh),
+            factors: self.factors.unwrap_or(asked.factors),
+            tolerance: self.tolerance.unwrap_or(asked.tolerance),
+            ..asked.with_solver(self.solver.or(asked.solver()))
         }
     }
 }
@@ -167,9 +253,27 @@ mod tests {
     fn damaged_settings_mean_the_usual_ones() {
         let json = r#"{"solver": 99, "quality": 77}"#;
         let settings: Settings = serde_json::from_str(json).expect("fields may be missing");
-        assert_eq!(settings.solver(), SolverKind::default(), "out of range");
+        assert_eq!(settings.solver(), None, "out of range");
         assert_eq!(settings.quality(), Quality::default(), "out of range");
         assert_eq!(settings.tolerance, 1e-4, "missing");
+    }
+
+    #[test]
+    fn sizes_stand_in_for_the_preset() {
+        let sizes = MeshSizes {
+            element_size: Some(0.5),
+            ..MeshSizes::default()
+        };
+        let settings = Settings::default().with_mesh(sizes);
+        let mesh = settings.solve_options().mesh;
+        assert_eq!(
+            (mesh.element_size, mesh.elements),
+            (Some(0.5), None),
+            "as asked"
+        );
+        assert!(settings.wants_other_mesh(&Settings::default()), "finer");
+        let preset = settings.with_quality(Quality::Normal);
+        assert_eq!(preset, Settings::default(), "the preset takes over again");
     }
 
     #[test]
@@ -184,6 +288,22 @@ mod tests {
             settings.wants_other_mesh(&settings.with_quality(Quality::Draft)),
             "it is coarser"
         );
-        assert_eq!(other.solvers(), VARIANTS, "the figure's four");
+        assert_eq!(other.solvers(100), VARIANTS, "the figure's four");
+    }
+
+    #[test]
+    fn large_scenes_are_solved_by_rays_unless_something_else_was_chosen() {
+        let settings = Settings::default();
+        let small = settings.solvers(4000);
+        assert_eq!(small, [SolverKind::AmbientShooting], "shots are few");
+        let large = settings.solvers(1_000_000);
+        assert_eq!(large, [SolverKind::Stochastic], "shots are many");
+        let chosen = settings.with_solver(SolverKind::Shooting);
+        assert_eq!(
+            chosen.solvers(1_000_000),
+            [SolverKind::Shooting],
+            "as chosen"
+        );
+        assert_eq!(chosen.with_solver(None), settings, "and back");
     }
 }

@@ -10,31 +10,25 @@
 //!         show the light, as long as showing takes less than a fifth of the time
 //! ```
 
+use crate::session::figures::{Figures, Pace};
 use crate::session::lane::{Lane, LaneState, Tools};
 use crate::session::loader::Loader;
-use crate::session::snapshot::{HemicubePicture, PatchRow};
 use crate::session::{
     Board, Command, FactorsBy, History, Inbox, LaneView, Phase, Settings, Snapshot, Source, Watch,
 };
 use hemicube_gpu::{Context, Gpu};
 use hemicube_radiosity::backend::{Backend, Cpu};
-use hemicube_radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
-use hemicube_radiosity::form_factor::{Cached, FormFactors, Row};
+use hemicube_radiosity::form_factor::{Cached, FormFactors};
 use hemicube_radiosity::{
-    Grouping, MaterialEdit, PatchMesh, RadiosityError, Solution, SolveOptions, SolverKind,
+    Grouping, MaterialEdit, RadiosityError, Solution, SolveOptions, SolverKind,
 };
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// How long solvers step before somebody looks at the inbox.
 const BURST: Duration = Duration::from_millis(15);
-/// Least time between two snapshots, and between two pictures of hemicubes.
-const BETWEEN_SNAPSHOTS: Duration = Duration::from_millis(33);
-const BETWEEN_HEMICUBES: Duration = Duration::from_millis(200);
 /// Memory for rows of form factors.
 const ROW_BUDGET: usize = 256 << 20;
-/// Cells along an edge of hemicubes that are shown.
-const SHOWN_RESOLUTION: u32 = 96;
 
 /// The thread's state.
 pub(super) struct Worker {
@@ -123,7 +117,7 @@ impl Worker {
     fn obey(&mut self, command: Command) -> Next {
         match command {
             Command::Open(source) => {
-                if let Source::Named(name) = &source {
+                if let Source::Named(name) | Source::Adjusted(name, _) = &source {
                     self.asked = Some(name.clone());
                 }
                 self.loader.open(source, self.settings);
@@ -190,7 +184,7 @@ impl Worker {
             // Only from the same start the figure is fair.
             job.lanes = lanes_at(&job.start, &settings);
         } else {
-            job.lanes[0].kind = settings.solver();
+            job.lanes[0].kind = settings.solver_for(job.elements());
         }
     }
 
@@ -256,8 +250,9 @@ impl Worker {
             .with_factors(usual.factors)
             .with_side_by_side(false);
         job.lanes.truncate(1);
+        let kind = self.settings.solver_for(job.elements());
         for lane in &mut job.lanes {
-            lane.kind = usual.solver();
+            lane.kind = kind;
         }
         job
     }
@@ -339,7 +334,7 @@ impl Worker {
         at_once: bool,
     ) {
         pace.is_behind = true;
-        if !at_once && !pace.is_due() {
+        if !at_once && !pace.is_due(self.board.pace()) {
             return;
         }
         let begin = Instant::now();
@@ -407,6 +402,10 @@ impl Job {
         }
     }
 
+    fn elements(&self) -> usize {
+        self.start.mesh().elements().len()
+    }
+
     /// Form factors of the mesh; what an edit changes leaves them as they are.
     fn factors(
         &mut self,
@@ -460,7 +459,8 @@ fn lanes_at(start: &Solution, settings: &Settings) -> Vec<LaneState> {
         history: History::default(),
         seconds: 0.0,
     };
-    settings.solvers().into_iter().map(lane).collect()
+    let elements = start.mesh().elements().len();
+    settings.solvers(elements).into_iter().map(lane).collect()
 }
 
 /// The light group of each material, where materials have groups of their own.
@@ -478,102 +478,4 @@ fn source_of_material(solution: &Solution) -> Vec<Option<usize>> {
         Some(if is_by_material { next - 1 } else { 0 })
     };
     mesh.scene().materials.iter().map(&mut of).collect()
-}
-
-/// Pictures beside the light.
-struct Figures {
-    mesh: Arc<PatchMesh>,
-    /// Made when first asked for.
-    hemicubes: Option<Hemicube>,
-    hemicube: Option<Arc<HemicubePicture>>,
-    drawn: Option<Instant>,
-    row: Option<Arc<PatchRow>>,
-}
-
-impl Figures {
-    fn new(mesh: Arc<PatchMesh>) -> Self {
-        Self {
-            mesh,
-            hemicubes: None,
-            hemicube: None,
-            drawn: None,
-            row: None,
-        }
-    }
-
-    fn hemicube(
-        &mut self,
-        watch: Watch,
-        patch: Option<usize>,
-        at_once: bool,
-    ) -> Option<Arc<HemicubePicture>> {
-        let patch = patch.filter(|_| watch.hemicube)?;
-        let is_fresh = self
-            .drawn
-            .is_some_and(|drawn| drawn.elapsed() < BETWEEN_HEMICUBES);
-        let is_same = self.hemicube.as_ref().is_some_and(|h| h.patch == patch);
-        if is_same || (is_fresh && !at_once) {
-            return self.hemicube.clone();
-        }
-        if self.hemicubes.is_none() {
-            let options = HemicubeOptions::default()
-                .with_resolution(SHOWN_RESOLUTION)
-                .with_max_points(1);
-            self.hemicubes = Hemicube::new(self.mesh.clone(), options).ok();
-        }
-        let buffers = self
-            .hemicubes
-            .as_ref()?
-            .item_buffers(self.mesh.patches()[patch]);
-        self.drawn = Some(Instant::now());
-        self.hemicube = Some(Arc::new(HemicubePicture { patch, buffers }));
-        self.hemicube.clone()
-    }
-
-    fn row(&mut self, watch: Watch, factors: &dyn FormFactors) -> Option<Arc<PatchRow>> {
-        let patch = watch
-            .row_of
-            .filter(|&patch| patch < self.mesh.patches().len())?;
-        if self.row.as_ref().is_none_or(|row| row.patch != patch) {
-            let mut row = Row::default();
-            factors.fill_row(self.mesh.patches()[patch], &mut row);
-            let mut fractions = vec![0.0; self.mesh.elements().len()];
-            for (k, &e) in row.receivers.iter().enumerate() {
-                fractions[e as usize] = (0..3).map(|band| row.band(band)[k]).sum::<f32>() / 3.0;
-            }
-            self.row = Some(Arc::new(PatchRow { patch, fractions }));
-        }
-        self.row.clone()
-    }
-}
-
-/// When to show the light.
-#[derive(Default)]
-struct Pace {
-    last: Option<Instant>,
-    /// What the last snapshot took.
-    cost: Duration,
-    /// Steps since the last snapshot.
-    steps: u64,
-    /// Whether there is light that was not shown.
-    is_behind: bool,
-}
-
-impl Pace {
-    fn is_due(&self) -> bool {
-        self.last
-            .is_none_or(|last| last.elapsed() >= BETWEEN_SNAPSHOTS.max(4 * self.cost))
-    }
-
-    fn rate(&mut self) -> Option<f64> {
-        let seconds = self.last?.elapsed().as_secs_f64();
-        let steps = core::mem::take(&mut self.steps);
-        (seconds > 0.0 && steps > 0).then_some(steps as f64 / seconds)
-    }
-
-    fn shown(&mut self, begin: Instant) {
-        self.cost = begin.elapsed();
-        self.last = Some(Instant::now());
-        self.is_behind = false;
-    }
 }
