@@ -99,6 +99,11 @@ fn unit(bits: u32) -> f32 {
 mod tests {
     use super::*;
 
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "points are in [0, 1)"
+    )]
     fn cell(x: f32, cells: u32) -> usize {
         (x * cells as f32) as usize
     }

@@ -107,7 +107,11 @@ mod tests {
         let place = |i: u16| {
             Place::point(
                 Vec3::new(f32::from(i % 40), 0.0, f32::from(i / 40)),
-                if i % 2 == 0 { Vec3::Y } else { Vec3::X },
+                if i.is_multiple_of(2) {
+                    Vec3::Y
+                } else {
+                    Vec3::X
+                },
             )
         };
         let places: Vec<Place> = (0..1600).map(place).collect();

@@ -25,6 +25,8 @@ use std::sync::Arc;
 /// in the way, and in the others.
 const FIRST_RAYS: u32 = 4;
 const RAYS: u32 = 16;
+/// Rays of the first round as a share of those of another.
+pub(super) const FIRST_SHARE: f32 = FIRST_RAYS as f32 / RAYS as f32;
 /// Rays of a cell for which its share counts in that of a patch.
 const TRUST: f32 = 2.0;
 /// Emitters nearer than so many radii of both are taken by exact factors.

@@ -1,11 +1,8 @@
 //! What irradiance is made of: direct light and reflected light, each with what is known of its error.
 
-use super::direct::Brought;
+use super::direct::{Brought, FIRST_SHARE};
 use super::gather::Gathered;
 use super::shoot::{Arrived, REPLICATES};
-
-/// Weight of the first round of direct light, as many rays as it has.
-const WEIGHT_OF_FIRST: f32 = 0.25;
 
 /// Direct light of the elements, as the sum over rounds of rays.
 pub(super) struct DirectLight {
@@ -82,7 +79,7 @@ impl DirectLight {
 
 /// The first round has fewer rays.
 fn weight_of_round(round: u32) -> f32 {
-    if round == 0 { WEIGHT_OF_FIRST } else { 1.0 }
+    if round == 0 { FIRST_SHARE } else { 1.0 }
 }
 
 /// Reflected light of the receivers, by shots and by gathering.
