@@ -74,6 +74,8 @@ impl Axes {
                 .map(|y| y.max(FLOOR).log10())
         };
         let (low, high) = (values().fold(-1.0, f64::min), values().fold(-1.0, f64::max));
+        // A whole that is off by the last digit opens no decade of its own.
+        let high = high - 1e-6;
         #[expect(clippy::cast_possible_truncation, reason = "a few decades")]
         let (low, high) = (low.floor() as i32, high.ceil().min(6.0) as i32);
         Self {
@@ -126,6 +128,11 @@ mod tests {
             axes.inner.right_bottom(),
             "nothing left lies on the floor"
         );
+        let whole = Curve {
+            color: Color32::WHITE,
+            points: vec![[0.0, 1.000_000_1], [2.0, 0.2]],
+        };
+        assert_eq!(Axes::new(rect, &[whole]).high, 0, "nearly 1 is 1");
         let none = Axes::new(rect, &[]);
         assert!(
             none.high > none.low && none.seconds > 0.0,

@@ -202,7 +202,8 @@ impl<'a> Lane<'a> {
     fn estimate(&self, solution: &Solution, progress: &Progress) -> Option<f64> {
         match &self.work {
             Work::Shooting(_) | Work::Device(_) => Some(share_to_come(solution)),
-            Work::Rays(_) => progress.noise,
+            // Before the second round nothing is known of it.
+            Work::Rays(_) => progress.noise.filter(|noise| noise.is_finite()),
             Work::Gathering(_) | Work::Matrix(_) | Work::Waiting(_) => None,
         }
     }
