@@ -204,7 +204,7 @@ impl<'a> Lane<'a> {
             Work::Shooting(_) | Work::Device(_) => Some(share_to_come(solution)),
             // Before the second round nothing is known of it.
             Work::Rays(_) => progress.noise.filter(|noise| noise.is_finite()),
-            Work::Gathering(_) | Work::Matrix(_) | Work::Waiting(_) => None,
+            Work::Gathering(_) | Work::Matrix(_) | Work::Links(_) | Work::Waiting(_) => None,
         }
     }
 
