@@ -150,7 +150,7 @@ impl Report {
         let unshot = percent(self.unshot_fraction);
         match self.noise {
             Some(noise) => format!(
-                "noise     {} of the irradiance (standard error, root mean square over the elements)",
+                "noise     {} of the irradiance (estimated error, root mean square over the elements)",
                 percent(noise)
             ),
             None => format!("unshot    {unshot} of the emitted light"),
