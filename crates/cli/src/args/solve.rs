@@ -16,7 +16,7 @@ Way to the equilibrium [default: auto]
 
   auto                ambient-shooting, or stochastic for more than 40,000 elements; says which
 Rays alone; time grows with the scene, not with its square:
-  stochastic          direct light by shadow rays from every element, the rest shot by rays until --noise is reached
+  stochastic          direct light by shadow rays from every element, the rest shot and gathered by rays until --noise is reached
 Links between clusters, faces and their parts; time and memory grow with the scene, not with its square:
   hierarchical        links are refined where they carry error, until its estimate is at --noise
 Shooting needs no matrix, and what it has reached can be drawn at any time:
@@ -86,7 +86,7 @@ pub struct MeshArgs {
     /// Cells along an edge of a hemicube, even, 16 to 4096, for --form-factors hemicube, its variants and gpu [default: 256]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::resolution)]
     pub hemicube_resolution: Option<u32>,
-    /// Rays over each hemisphere, for raycast, gpu-raycast and nusselt, and for the light of sky and sun [default: 256]
+    /// Rays over each hemisphere, for raycast, gpu-raycast and nusselt, for a round of stochastic, and for the light of sky and sun [default: 256]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::whole::<u32>(1..=1 << 20))]
     pub rays: Option<u32>,
     /// Seed of all sampling [default: 0]

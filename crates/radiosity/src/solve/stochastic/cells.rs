@@ -117,18 +117,19 @@ mod tests {
         let places: Vec<Place> = (0..1600).map(place).collect();
         let cells = Cells::new(&places, &Lights::new(&[]), 2.0);
         let mut seen = vec![0; places.len()];
+        let mut distances = 0.0;
         for cell in &cells.cells {
             assert!(cell.patches.len() <= PATCHES, "{}", cell.patches.len());
             for &patch in &cell.patches {
                 let (first, place) = (&places[cell.patches[0] as usize], &places[patch as usize]);
                 assert_eq!(first.normal, place.normal, "they look the same way");
-                assert!(
-                    first.centroid.distance(place.centroid) < 15.0,
-                    "they are near"
-                );
+                distances += first.centroid.distance(place.centroid);
                 seen[patch as usize] += 1;
             }
         }
+        // Two places of the grid are 21 apart in the mean; where the curve jumps, so are neighbours.
+        let mean = distances / places.len() as f32;
+        assert!(mean < 6.0, "they are {mean} apart");
         assert!(seen.iter().all(|&n| n == 1), "each is in one cell");
     }
 }
