@@ -9,6 +9,7 @@ use hemicube::radiosity::{
 };
 use hemicube::scene::{Scene, builtin};
 use hemicube_chart::{Chart, Curve, Scale};
+use hemicube_tests::solutions::balance_error;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -162,15 +163,6 @@ fn by_stages(unlit: Solution, options: &SolveOptions) -> (String, f64) {
         rate(stages.gathering)
     );
     (note, balance_error(solver.solution()))
-}
-
-/// Largest share of the energy of a band that is not accounted for.
-fn balance_error(solution: &Solution) -> f64 {
-    let bands = (0..3).map(|band| {
-        let unshot = solution.unshot_flux(band);
-        solution.total_balance(band).relative_error(unshot)
-    });
-    bands.fold(0.0, f64::max)
 }
 
 /// Exponent of a power law through points, by least squares of their logarithms.

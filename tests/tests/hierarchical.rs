@@ -3,26 +3,15 @@
 use hemicube::radiosity::form_factor::FormFactorKind;
 use hemicube::radiosity::{
     Hierarchical, HierarchicalOptions, MaterialEdit, PatchOptions, Quality, RadiosityError,
-    Solution, SolveOptions, Solver, SolverKind, resume, solve, unlit,
+    Solution, SolveOptions, Solver, SolverKind, resume, solve,
 };
 use hemicube::raster::Rgb;
 use hemicube::scene::{Material, Scene, builtin};
 use hemicube_tests::enclosures::room_with_cube;
+use hemicube_tests::solutions::{
+    balance_error, begun_and_done, built_in, exhausted, irradiance_bits, start,
+};
 use std::sync::Arc;
-
-fn scene(name: &str) -> Arc<Scene> {
-    Arc::new(builtin::scene(name).expect("it is built in"))
-}
-
-fn start(scene: Arc<Scene>, elements: usize, patches: usize) -> Solution {
-    let options = SolveOptions {
-        mesh: PatchOptions::default()
-            .with_elements(elements)
-            .with_patches(patches),
-        ..Quality::Draft.into()
-    };
-    unlit(scene, &options, &|| false).expect("a mesh")
-}
 
 fn with_error(error: f64) -> HierarchicalOptions {
     HierarchicalOptions {
@@ -32,19 +21,7 @@ fn with_error(error: f64) -> HierarchicalOptions {
 }
 
 fn solved(start: &Solution, options: HierarchicalOptions) -> Hierarchical {
-    let mut solver = Hierarchical::new(start.clone(), options).expect("good options");
-    while !solver.is_exhausted() {
-        solver.step();
-    }
-    solver
-}
-
-fn balance_error(solution: &Solution) -> f64 {
-    let bands = (0..3).map(|band| {
-        let unshot = solution.unshot_flux(band);
-        solution.total_balance(band).relative_error(unshot)
-    });
-    bands.fold(0.0, f64::max)
+    exhausted(Hierarchical::new(start.clone(), options).expect("good options"))
 }
 
 /// Root mean square over the area, relative to each element's irradiance or a twentieth of the mean.
@@ -103,7 +80,7 @@ fn a_furnace_is_as_bright_everywhere_as_it_must_be() {
 fn plates_exchange_what_the_closed_form_says() {
     for name in ["parallel-plates", "perpendicular-plates"] {
         // Each plate cut finely, so that links between parts have to sum to the whole.
-        let start = start(scene(name), 300, 300);
+        let start = start(built_in(name), 300, 300);
         let exact = by_matrix(&start);
         let solver = solved(&start, with_error(0.005));
         for band in 0..3 {
@@ -138,7 +115,7 @@ fn room_with_lamp() -> Arc<Scene> {
 #[test]
 fn the_error_falls_with_its_limit_and_is_about_the_stated_one() {
     // Where boxes stand on floors, exact factors of large elements are another thing than those of sampled points.
-    for (scene, most) in [(room_with_lamp(), 0.01), (scene("cornell"), 0.08)] {
+    for (scene, most) in [(room_with_lamp(), 0.01), (built_in("cornell"), 0.08)] {
         let start = start(scene, 200, 200);
         let exact = by_matrix(&start);
         let name = &start.mesh().scene().name;
@@ -165,7 +142,7 @@ fn the_error_falls_with_its_limit_and_is_about_the_stated_one() {
 fn every_step_keeps_the_energy() {
     // Open, with panes, lit by sun and sky, by points, with light groups.
     for name in ["cornell", "chapel", "office", "two-rooms"] {
-        let start = start(scene(name), 250, 100);
+        let start = start(built_in(name), 250, 100);
         let mut solver = Hierarchical::new(start, with_error(0.1)).expect("good options");
         for step in 0..7 {
             solver.step();
@@ -179,7 +156,7 @@ fn every_step_keeps_the_energy() {
 fn links_grow_with_the_elements_and_not_with_their_square() {
     let mut last: Option<(usize, usize)> = None;
     for elements in [400, 1600, 6400] {
-        let start = start(scene("cornell"), elements, elements);
+        let start = start(built_in("cornell"), elements, elements);
         let links = solved(&start, with_error(0.1)).links().all;
         let elements = start.mesh().elements().len();
         println!("{elements} elements, {links} links");
@@ -201,7 +178,7 @@ fn links_grow_with_the_elements_and_not_with_their_square() {
 
 #[test]
 fn many_small_faces_begin_with_one_link() {
-    let start = start(scene("conference-room"), 100, 100);
+    let start = start(built_in("conference-room"), 100, 100);
     let faces = start.mesh().faces().len();
     let mut solver = Hierarchical::new(start, with_error(0.3)).expect("good options");
     assert_eq!(solver.links().all, 1, "from the root to itself");
@@ -217,34 +194,21 @@ fn many_small_faces_begin_with_one_link() {
 
 #[test]
 fn same_bits_on_one_and_three_threads() {
-    let start = start(scene("two-rooms"), 400, 100);
+    let start = start(built_in("two-rooms"), 400, 100);
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.expect("threads");
         let solver = pool.install(|| solved(&start, with_error(0.1)));
         let solution = solver.solution();
-        let bits = (0..3).flat_map(|band| solution.irradiance(0, band).to_vec());
-        bits.map(f32::to_bits).collect::<Vec<_>>()
+        irradiance_bits(solution)
     };
     assert!(run(1) == run(3), "three threads give other bits");
 }
 
 #[test]
 fn what_another_solver_left_is_spread() {
-    let start = start(scene("cornell"), 400, 400);
-    let half = SolveOptions {
-        rays: 512,
-        max_steps: Some(40),
-        solver: SolverKind::SortedShooting,
-        ..Quality::Draft.into()
-    };
-    let truth = SolveOptions {
-        max_steps: None,
-        tolerance: 1e-5,
-        ..half
-    };
-    let truth = resume(start.clone(), &truth, |_, _| true).expect("it goes on");
-    let half = resume(start, &half, |_, _| true).expect("it goes on");
+    let start = start(built_in("cornell"), 400, 400);
+    let [half, truth] = begun_and_done(start);
     let by_links = SolveOptions {
         solver: SolverKind::Hierarchical,
         noise: 0.02,
@@ -274,7 +238,7 @@ fn it_goes_on_where_it_stopped() {
         max_steps: Some(6),
         ..options
     };
-    let part = solve(scene("cornell"), &some, |_, _| true).expect("it is solved");
+    let part = solve(built_in("cornell"), &some, |_, _| true).expect("it is solved");
     assert_eq!(part.provenance.steps, 6, "steps");
     let left = part.unshot_fraction();
     let end = resume(part, &options, |_, _| true).expect("it goes on");
@@ -289,7 +253,7 @@ fn it_goes_on_where_it_stopped() {
 
 #[test]
 fn a_lamp_that_is_dimmed_takes_its_light_back() {
-    let room = scene("cornell");
+    let room = built_in("cornell");
     let start = start(room.clone(), 300, 300);
     let bright = solved(&start, with_error(0.02)).into_solution();
     let materials = &room.materials;
@@ -318,7 +282,7 @@ fn built_in_scenes_come_to_an_end() {
         if ["theatre", "steel-mill"].contains(&builtin.name) {
             continue;
         }
-        let start = start(scene(builtin.name), 150, 50);
+        let start = start(built_in(builtin.name), 150, 50);
         let solver = solved(&start, with_error(0.5));
         let (name, error) = (builtin.name, solver.error());
         assert!(error <= 0.5, "{name}: ends at {error}");
@@ -340,7 +304,7 @@ fn built_in_scenes_come_to_an_end() {
 
 #[test]
 fn options_that_are_none_and_meshes_that_do_not_fit_are_refused() {
-    let start = start(scene("cornell"), 100, 50);
+    let start = start(built_in("cornell"), 100, 50);
     let good = HierarchicalOptions::default();
     let wrong = [
         HierarchicalOptions { rays: 0, ..good },
@@ -375,7 +339,7 @@ fn options_that_are_none_and_meshes_that_do_not_fit_are_refused() {
 
 #[test]
 fn the_strongest_links_begin_at_the_lamp() {
-    let start = start(scene("cornell"), 300, 100);
+    let start = start(built_in("cornell"), 300, 100);
     let solver = solved(&start, with_error(0.1));
     let links = solver.strongest_links(20);
     assert_eq!(links.len(), 20, "as many as were asked for");

@@ -2,39 +2,16 @@
 
 use hemicube::radiosity::{
     PatchMesh, PatchOptions, Quality, Solution, SolveOptions, Solver, SolverKind, Stochastic,
-    StochasticOptions, resume, solve, unlit,
+    StochasticOptions, resume, solve,
 };
-use hemicube::scene::{Scene, builtin};
+use hemicube::scene::builtin;
+use hemicube_tests::solutions::{
+    balance_error, begun_and_done, built_in, exhausted, irradiance_bits, start,
+};
 use std::sync::Arc;
 
-fn scene(name: &str) -> Arc<Scene> {
-    Arc::new(builtin::scene(name).expect("it is built in"))
-}
-
-fn start(scene: Arc<Scene>, elements: usize, patches: usize) -> Solution {
-    let options = SolveOptions {
-        mesh: PatchOptions::default()
-            .with_elements(elements)
-            .with_patches(patches),
-        ..Quality::Draft.into()
-    };
-    unlit(scene, &options, &|| false).expect("a mesh")
-}
-
 fn solved(start: &Solution, options: StochasticOptions) -> Stochastic {
-    let mut solver = Stochastic::new(start.clone(), options).expect("good options");
-    while !solver.is_exhausted() {
-        solver.step();
-    }
-    solver
-}
-
-fn balance_error(solution: &Solution) -> f64 {
-    let bands = (0..3).map(|band| {
-        let unshot = solution.unshot_flux(band);
-        solution.total_balance(band).relative_error(unshot)
-    });
-    bands.fold(0.0, f64::max)
+    exhausted(Stochastic::new(start.clone(), options).expect("good options"))
 }
 
 /// Root mean square over the elements that get more than a hundredth of the mean.
@@ -95,7 +72,7 @@ fn a_furnace_is_as_bright_everywhere_as_it_must_be() {
 #[test]
 fn the_stated_error_is_the_error_there_is() {
     for (name, counting_elements) in [("cornell", 50_000), ("cornell", 0), ("two-rooms", 50_000)] {
-        let start = start(scene(name), 500, 80);
+        let start = start(built_in(name), 500, 80);
         let options = StochasticOptions {
             noise: 0.05,
             counting_elements,
@@ -120,7 +97,7 @@ fn the_stated_error_is_the_error_there_is() {
 
 #[test]
 fn rays_and_rows_of_form_factors_come_to_the_same_light() {
-    let start = start(scene("cornell"), 500, 500);
+    let start = start(built_in("cornell"), 500, 500);
     let options = StochasticOptions {
         noise: 0.02,
         ..StochasticOptions::default()
@@ -142,7 +119,7 @@ fn rays_and_rows_of_form_factors_come_to_the_same_light() {
 
 #[test]
 fn noise_falls_with_the_rays() {
-    let start = start(scene("cornell"), 600, 100);
+    let start = start(built_in("cornell"), 600, 100);
     let mut last = None;
     for noise in [0.08, 0.04, 0.02] {
         let options = StochasticOptions {
@@ -167,7 +144,7 @@ fn noise_falls_with_the_rays() {
 
 #[test]
 fn every_step_keeps_the_energy() {
-    let start = start(scene("cornell"), 600, 100);
+    let start = start(built_in("cornell"), 600, 100);
     for counting_elements in [0, 50_000] {
         let options = StochasticOptions {
             counting_elements,
@@ -186,7 +163,7 @@ fn every_step_keeps_the_energy() {
 
 #[test]
 fn same_bits_on_one_and_four_threads() {
-    let start = start(scene("two-rooms"), 400, 100);
+    let start = start(built_in("two-rooms"), 400, 100);
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let options = StochasticOptions {
@@ -196,28 +173,15 @@ fn same_bits_on_one_and_four_threads() {
         };
         let solver = pool.expect("threads").install(|| solved(&start, options));
         let solution = solver.solution();
-        let bits = (0..3).flat_map(|band| solution.irradiance(0, band).to_vec());
-        bits.map(f32::to_bits).collect::<Vec<_>>()
+        irradiance_bits(solution)
     };
     assert!(run(1) == run(4), "four threads give other bits");
 }
 
 #[test]
 fn what_another_solver_left_is_spread() {
-    let start = start(scene("cornell"), 600, 600);
-    let half = SolveOptions {
-        rays: 512,
-        max_steps: Some(40),
-        solver: SolverKind::SortedShooting,
-        ..Quality::Draft.into()
-    };
-    let truth = SolveOptions {
-        max_steps: None,
-        tolerance: 1e-5,
-        ..half
-    };
-    let truth = resume(start.clone(), &truth, |_, _| true).expect("it goes on");
-    let half = resume(start, &half, |_, _| true).expect("it goes on");
+    let start = start(built_in("cornell"), 600, 600);
+    let [half, truth] = begun_and_done(start);
     let by_rays = SolveOptions {
         solver: SolverKind::Stochastic,
         rays: 2048,
@@ -236,7 +200,7 @@ fn what_another_solver_left_is_spread() {
 
 #[test]
 fn no_rays_and_no_noise_are_refused() {
-    let start = start(scene("cornell"), 100, 50);
+    let start = start(built_in("cornell"), 100, 50);
     for (rays, noise) in [(0, 0.1), (16, 0.0), (16, f64::NAN), (16, -1.0)] {
         let options = StochasticOptions {
             rays,
@@ -271,7 +235,7 @@ fn by_rays() -> SolveOptions {
 
 #[test]
 fn its_name_and_its_noise_are_kept() {
-    let solution = solve(scene("cornell"), &by_rays(), |_, _| true).expect("it is solved");
+    let solution = solve(built_in("cornell"), &by_rays(), |_, _| true).expect("it is solved");
     assert_eq!(
         solution.provenance.solver, "stochastic",
         "the solver's name"
