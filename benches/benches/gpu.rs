@@ -1,7 +1,8 @@
 //! The GPU's hemicubes beside the CPU's: rows, their errors, what a shot costs the device, whole solutions.
 //!
 //! Time is stated twice: by the clock, and as CPU time of the whole process, which is what counts for adapters that draw
-//! in software on the same cores. Without an adapter the program says that it skips.
+//! in software on the same cores. Without an adapter the program says that it skips. Arguments choose a part, and then
+//! sizes: `rows 10000 512`, `solve 100000`.
 
 use cpu_time::ProcessTime;
 use hemicube::radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
@@ -30,16 +31,47 @@ fn main() {
     let about = all.iter().find(|a| a.name == context.name);
     let driver = about.map_or("", |a| &a.driver);
     println!("{}, {driver}\n", context.name);
-    let only = std::env::args().nth(1).filter(|arg| !arg.starts_with('-'));
-    let wanted = |part: &str| only.as_deref().is_none_or(|only| only == part);
-    if wanted("rows") {
-        rows(&context);
+    let wanted = Wanted::of_arguments();
+    if wanted.part("rows") {
+        rows(&context, &wanted);
     }
-    if wanted("counts") {
-        counts(&context);
+    if wanted.part("counts") {
+        counts(&context, &wanted);
     }
-    if wanted("solve") {
-        solve(&context);
+    if wanted.part("solve") {
+        solve(&context, &wanted);
+    }
+}
+
+/// Which measurements to make: all that the arguments do not leave out.
+struct Wanted {
+    part: Option<String>,
+    elements: Option<usize>,
+    resolution: Option<u32>,
+}
+
+impl Wanted {
+    fn of_arguments() -> Self {
+        let mut arguments = std::env::args().skip(1).filter(|arg| !arg.starts_with('-'));
+        let part = arguments.next();
+        let mut number = || arguments.next().map(|arg| arg.parse().expect("a number"));
+        Self {
+            part,
+            elements: number(),
+            resolution: number().map(|n| u32::try_from(n).expect("a small number")),
+        }
+    }
+
+    fn part(&self, part: &str) -> bool {
+        self.part.as_deref().is_none_or(|only| only == part)
+    }
+
+    fn elements(&self, elements: usize) -> bool {
+        self.elements.is_none_or(|only| only == elements)
+    }
+
+    fn resolution(&self, resolution: u32) -> bool {
+        self.resolution.is_none_or(|only| only == resolution)
     }
 }
 
@@ -58,17 +90,19 @@ fn options(resolution: u32) -> HemicubeOptions {
         .with_max_points(1)
 }
 
-fn rows(context: &Arc<Context>) {
+fn rows(context: &Arc<Context>, wanted: &Wanted) {
     println!(
         "rows of cornell: a second, a CPU second, error (share of the light at wrong elements)"
     );
     println!(
         "elements resolution      CPU                       GPU                       GPU / CPU by CPU time"
     );
-    for elements in [1000, 10_000, 100_000] {
+    let sizes = [1000, 10_000, 100_000];
+    for elements in sizes.into_iter().filter(|&n| wanted.elements(n)) {
         let mesh = mesh(elements);
         let (sample, exact) = exact(&mesh);
-        for resolution in [64, 128, 256, 512, 1024] {
+        let resolutions = [64, 128, 256, 512, 1024];
+        for resolution in resolutions.into_iter().filter(|&n| wanted.resolution(n)) {
             let cpu = Hemicube::new(mesh.clone(), options(resolution)).expect("good options");
             let gpu = GpuHemicube::new(context.clone(), mesh.clone(), options(resolution))
                 .expect("it fits");
@@ -158,18 +192,21 @@ impl Measured {
     }
 }
 
-fn counts(context: &Arc<Context>) {
+fn counts(context: &Arc<Context>, wanted: &Wanted) {
     println!("\nof one hemicube in cornell, as the device counts");
     println!(
         "elements resolution  triangles  visible  vertices  fragments    MB  ms arrange, draw, sum   KB read back"
     );
-    for (elements, resolution) in [
+    let sizes = [
         (1000, 256),
         (10_000, 256),
         (10_000, 512),
         (10_000, 1024),
         (100_000, 512),
-    ] {
+    ];
+    let sizes = sizes.into_iter();
+    for (elements, resolution) in sizes.filter(|&(n, r)| wanted.elements(n) && wanted.resolution(r))
+    {
         let mesh = mesh(elements);
         let gpu =
             GpuHemicube::new(context.clone(), mesh.clone(), options(resolution)).expect("it fits");
@@ -202,10 +239,15 @@ fn print(mesh: &PatchMesh, resolution: u32, counts: &ShotCounts) {
     );
 }
 
-fn solve(context: &Arc<Context>) {
+fn solve(context: &Arc<Context>, wanted: &Wanted) {
     println!("\nsorted shooting in cornell to an unshot share, 256 cells along an edge");
     println!("elements  unshot     CPU: s, CPU s, shots      GPU: s, CPU s, shots, submissions");
-    for (elements, patches, tolerance) in [(1000, 100, 5e-3), (4000, 400, 5e-2)] {
+    let sizes = [
+        (1000, 100, 5e-3),
+        (10_000, 400, 5e-2),
+        (100_000, 1000, 1e-1),
+    ];
+    for (elements, patches, tolerance) in sizes.into_iter().filter(|&(n, ..)| wanted.elements(n)) {
         let scene = Arc::new(builtin::scene("cornell").expect("it is built in"));
         let options = SolveOptions {
             mesh: PatchOptions::default()
