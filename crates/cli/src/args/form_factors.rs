@@ -5,6 +5,7 @@ use super::method::MethodGiven;
 use super::{SceneArgs, parse};
 use clap::Args;
 use hemicube::radiosity::form_factor::{FormFactorKind, FormFactorOptions, SurfacesBy};
+use hemicube::radiosity::patch::clean::CleanOptions;
 use hemicube::radiosity::{PatchOptions, SolveOptions};
 use std::path::PathBuf;
 
@@ -129,9 +130,10 @@ impl FactorArgs {
         }
     }
 
-    /// How faces are cut: patches are as fine as elements, since all are summed in the end.
+    /// How faces are cut: patches are as fine as elements, since all are summed in the end. Faces are taken as they are:
+    /// their factors are wanted, not those of mended ones.
     pub fn mesh(&self) -> PatchOptions {
-        match (self.element_size, self.elements) {
+        let cut = match (self.element_size, self.elements) {
             (Some(size), _) => PatchOptions::default()
                 .with_element_size(size)
                 .with_patch_size(size),
@@ -143,7 +145,8 @@ impl FactorArgs {
             (None, None) => PatchOptions::default()
                 .with_elements(ELEMENTS)
                 .with_patches(ELEMENTS),
-        }
+        };
+        cut.with_clean(CleanOptions::none())
     }
 
     /// The option that was given for another method than the one in use.

@@ -78,6 +78,17 @@ pub struct MeshArgs {
     /// Patches to aim at instead of a size [default: 400]
     #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
     pub patches: Option<u32>,
+    /// Distance in scene units up to which vertices become one [default: two millionths of the scene's diagonal, for
+    /// rounding]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
+    pub weld: Option<f32>,
+    /// Also turns around one-sided shells of which lamps, sky and cameras see backs only; faces that disagree with their
+    /// neighbours are turned anyway
+    #[arg(long, conflicts_with = "no_clean")]
+    pub turn_to_light: bool,
+    /// Takes the model as it is: no vertices are welded, no faces turned around, none lifted off others in their plane
+    #[arg(long, conflicts_with = "weld")]
+    pub no_clean: bool,
     /// Way to the form factors; gpu draws hemicubes and gpu-raycast casts rays on a GPU [default: raycast]
     #[arg(long, value_name = "METHOD", value_parser = parse::choice(&FactorWay::ALL, FactorWay::name))]
     pub form_factors: Option<FactorWay>,
@@ -184,6 +195,9 @@ impl MeshArgs {
         }
         mesh.patch_size = self.patch_size;
         mesh.element_size = self.element_size;
+        mesh.clean.enabled = !self.no_clean;
+        mesh.clean.weld = self.weld;
+        mesh.clean.turn_to_light = self.turn_to_light;
         // Elements are at least as fine as patches: finer patches than the preset's bring their own elements, a third
         // of their size.
         let keeps_preset = match (self.patch_size, self.patches) {
@@ -253,6 +267,9 @@ impl MeshArgs {
             (self.elements.is_some(), "--elements"),
             (self.patch_size.is_some(), "--patch-size"),
             (self.patches.is_some(), "--patches"),
+            (self.weld.is_some(), "--weld"),
+            (self.turn_to_light, "--turn-to-light"),
+            (self.no_clean, "--no-clean"),
         ])
     }
 

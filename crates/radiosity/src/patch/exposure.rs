@@ -4,11 +4,12 @@
 //! its light over a part that nobody sees, and a dark rim would follow every contact. So irradiance and radiosity are
 //! means over the exposed part. A point is buried if every probing ray from it meets the absorbing back of a face.
 
+use crate::patch::clean::stack::{LIFT, MOST_LAYERS};
 use crate::patch::face::Side;
 use crate::patch::{NodeId, PatchMesh, Polygon};
 use crate::sampling::{cosine_direction, point_in_polygon, point2, polygon_point};
 use crate::stop::Stop;
-use crate::visibility::Visibility;
+use crate::visibility::{Hit, Visibility};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -222,6 +223,17 @@ fn is_buried(visibility: &Visibility, point: Vec3, normal: Vec3) -> bool {
         };
         let hit = visibility.first_hit(origin, direction, f32::INFINITY);
         // Fronts of obstructions do not receive, but no solid begins behind the viewer there.
-        hit.is_some_and(|hit| hit.side == Side::Back && !visibility.receives(hit.face, hit.side))
+        hit.is_some_and(|hit| {
+            (hit.side == Side::Back && !visibility.receives(hit.face, hit.side))
+                || lies_upon(visibility, &hit, point, normal)
+        })
     })
+}
+
+/// Whether what was hit is a layer upon the surface (see [`stack`](super::clean::stack)) that lets no light through.
+fn lies_upon(visibility: &Visibility, hit: &Hit, point: Vec3, normal: Vec3) -> bool {
+    let height = (hit.point - point).dot(normal);
+    height < (MOST_LAYERS as f32 + 0.5) * LIFT * visibility.largest_offset()
+        && visibility.normal(hit.face).dot(normal).abs() > 0.999
+        && visibility.transmittance_at(hit.face, hit.point).is_black()
 }

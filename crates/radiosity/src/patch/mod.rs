@@ -4,6 +4,8 @@
 //! into smaller and smaller cells. *Patches* (they shoot) and *elements* (they receive; Cohen, Greenberg, Immel, Brock
 //! 1986) are two cuts through that forest: every root-to-leaf path crosses each once, patches above elements.
 
+mod box_tree;
+pub mod clean;
 pub mod edit;
 pub mod exposure;
 pub mod face;
@@ -138,12 +140,14 @@ impl PatchMesh {
         scene.check()?;
         options.check()?;
         let mut report = ImportReport::default();
-        let faces: Arc<[WorldFace]> = world_faces(&scene, &mut report).into();
+        let mut faces = world_faces(&scene, &mut report);
         let sides = |face: &WorldFace| scene.materials[face.material as usize].lit_sides();
         if faces.iter().all(|face| sides(face) == 0) {
             return Err(RadiosityError::NoSurfaces(scene.name.clone()));
         }
         refuse_far_places(&scene, &faces)?;
+        clean::clean(&scene, &mut faces, options.clean, &mut report);
+        let faces: Arc<[WorldFace]> = faces.into();
         let sizes = Sizes::choose(&scene, &faces, options)?;
         let mut mesh = Self {
             options,

@@ -2,6 +2,7 @@
 
 use crate::error::RadiosityError;
 use crate::patch::MAX_ELEMENTS;
+use crate::patch::clean::CleanOptions;
 use serde::{Deserialize, Serialize};
 
 /// Longer than an edge between any two places that a mesh may have.
@@ -19,6 +20,9 @@ pub struct PatchOptions {
     /// Number of elements to aim at if there is no `element_size`, beyond one for each lit side of a face.
     /// Default value: 4000.
     pub elements: Option<usize>,
+    /// How the model is mended first. Default value: all that is sure to be a fault.
+    #[serde(default)]
+    pub clean: CleanOptions,
 }
 
 impl PatchOptions {
@@ -46,9 +50,11 @@ impl PatchOptions {
         }
     }
 
-    /// No cuts: each lit side of a face is one patch and one element.
+    /// The faces as they are: each lit side of a face is one patch and one element, and nothing is mended.
     pub fn whole_faces() -> Self {
-        Self::default().with_element_size(LONGER_THAN_ANY_EDGE)
+        Self::default()
+            .with_element_size(LONGER_THAN_ANY_EDGE)
+            .with_clean(CleanOptions::none())
     }
 
     /// Patches with edges of at most this length.
@@ -59,10 +65,16 @@ impl PatchOptions {
         }
     }
 
+    /// How the model is mended first.
+    pub fn with_clean(self, clean: CleanOptions) -> Self {
+        Self { clean, ..self }
+    }
+
     pub(super) fn check(&self) -> Result<(), RadiosityError> {
         for (name, size) in [
             ("patch size", self.patch_size),
             ("element size", self.element_size),
+            ("distance of vertices to weld", self.clean.weld),
         ] {
             if let Some(size) = size.filter(|s| !s.is_finite() || *s <= 0.0) {
                 return Err(RadiosityError::Option(format!(

@@ -48,6 +48,7 @@ pub struct Visibility {
     transmits: Vec<bool>,
     tinted: bool,
     diameter: f32,
+    largest_offset: f32,
 }
 
 impl core::fmt::Debug for Visibility {
@@ -67,7 +68,8 @@ impl Visibility {
         Self {
             tinted: any && scene.materials.iter().any(|m| m.transmission > 0.0),
             transmits: if any { transmits } else { Vec::new() },
-            diameter: diameter(&faces),
+            diameter: Self::diameter_of(&faces),
+            largest_offset: Self::largest_offset_of(&faces),
             normals: faces.iter().map(|face| face.normal).collect(),
             bvh: WideBvh::new(&pairing::quads(&faces)),
             scene,
@@ -91,6 +93,14 @@ impl Visibility {
         self.diameter
     }
 
+    /// [`Self::diameter`] of faces.
+    pub(crate) fn diameter_of(faces: &[WorldFace]) -> f32 {
+        let corners = faces.iter().flat_map(WorldFace::polygon);
+        let around = |(low, high): (Vec3, Vec3), p: &Vec3| (low.min(*p), high.max(*p));
+        let (low, high) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), around);
+        low.distance(high)
+    }
+
     /// Whether light may change its colour on the way, so that factors differ between bands.
     pub fn is_tinted(&self) -> bool {
         self.tinted
@@ -99,7 +109,24 @@ impl Visibility {
     /// A distance that is safely more than rounding errors at a point: those of its coordinates, and those of
     /// intersections, which grow with the triangles.
     pub fn offset(&self, point: Vec3) -> f32 {
-        OFFSET * point.abs().max_element().max(0.1 * self.diameter)
+        Self::offset_in(self.diameter, point)
+    }
+
+    /// [`Self::offset`] where it is largest.
+    pub(crate) fn largest_offset(&self) -> f32 {
+        self.largest_offset
+    }
+
+    /// [`Self::largest_offset`] of faces.
+    pub(crate) fn largest_offset_of(faces: &[WorldFace]) -> f32 {
+        let corners = faces.iter().flat_map(WorldFace::polygon);
+        let reach = corners.fold(Vec3::ZERO, |reach, p| reach.max(p.abs()));
+        Self::offset_in(Self::diameter_of(faces), reach)
+    }
+
+    /// [`Self::offset`] in a scene of a [diameter](Self::diameter).
+    pub(crate) fn offset_in(diameter: f32, point: Vec3) -> f32 {
+        OFFSET * point.abs().max_element().max(0.1 * diameter)
     }
 
     /// A point moved off its surface to the side of the normal.
@@ -218,11 +245,4 @@ impl Visibility {
         }
         Rgb::BLACK
     }
-}
-
-fn diameter(faces: &[WorldFace]) -> f32 {
-    let nothing = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
-    let corners = faces.iter().flat_map(WorldFace::polygon);
-    let (low, high) = corners.fold(nothing, |(low, high), &p| (low.min(p), high.max(p)));
-    low.distance(high)
 }

@@ -78,6 +78,7 @@ impl From<MeshSizes> for PatchOptions {
             element_size: sizes.element_size,
             patches: sizes.patches,
             elements: sizes.elements,
+            ..Self::default()
         }
     }
 }
