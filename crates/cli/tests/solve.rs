@@ -444,3 +444,39 @@ fn links_are_drawn_of_the_solver_that_has_them() {
         "{error}"
     );
 }
+
+/// A cube of 2 m that emits, seen from inside, with one side turned around and a tile in the plane of its floor.
+fn faulty_room() -> String {
+    let mut obj = String::from("mtllib room.mtl\no room\n");
+    for i in 0..8 {
+        let coordinate = |bit: i32| 2 * (i >> bit & 1);
+        obj += &format!("v {} {} {}\n", coordinate(0), coordinate(1), coordinate(2));
+    }
+    obj += "usemtl paint\nf 3 7 5 1\nf 5 7 8 6\nf 6 5 1 2\nf 4 8 7 3\nf 3 1 2 4\n";
+    // The sixth side shows the others its back.
+    obj += "f 2 4 8 6\n";
+    obj +=
+        "o tile\nv 0.5 0 0.5\nv 0.5 0 1.5\nv 1.5 0 1.5\nv 1.5 0 0.5\nusemtl lamp\nf 9 10 11 12\n";
+    obj
+}
+
+#[test]
+fn a_faulty_model_is_mended_unless_told_otherwise() {
+    let folder = Folder::new();
+    folder.write("room.obj", &faulty_room());
+    folder.write(
+        "room.mtl",
+        "newmtl paint\nKd 0.5 0.5 0.5\nnewmtl lamp\nKd 0.5 0.5 0.5\nKe 5 5 5\n",
+    );
+    let mended = folder.json(&small(&["solve", "room.obj"]))["warnings"].to_string();
+    for word in ["6 connected faces turned around", "'tile'", "lifted by"] {
+        assert!(mended.contains(word), "'{word}' in {mended}");
+    }
+    let kept = folder.json(&small(&["solve", "room.obj", "--no-clean"]))["warnings"].to_string();
+    assert!(
+        !kept.contains("turned") && !kept.contains("lifted"),
+        "{kept}"
+    );
+    let error = folder.fails(2, &["solve", "room.obj", "--weld", "-1"]);
+    assert!(error.contains("-1"), "{error}");
+}
