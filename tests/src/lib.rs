@@ -6,6 +6,7 @@ pub mod shapes;
 pub mod solutions;
 pub mod spheres;
 pub mod surfaces;
+pub mod watertight;
 
 use glam::Vec3;
 use hemicube::raster::Rgb;
