@@ -270,6 +270,11 @@ impl PatchMesh {
         &self.hard_edges
     }
 
+    /// Whether light may jump along an edge.
+    pub(crate) fn is_hard_edge(&self, a: u32, b: u32) -> bool {
+        !self.hard_edges.is_empty() && self.hard_edges.contains(&(a.min(b), a.max(b)))
+    }
+
     /// The same mesh with other [hard edges](Self::hard_edges); which vertex comes first does not matter.
     pub fn with_hard_edges(self, edges: impl IntoIterator<Item = (u32, u32)>) -> Self {
         let sorted = |(a, b): (u32, u32)| (a.min(b), a.max(b));

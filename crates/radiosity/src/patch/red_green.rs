@@ -205,9 +205,9 @@ impl RedTree {
         self.cells[cell].children == 0
     }
 
-    /// Whether a cell cannot be cut any more.
-    pub(super) fn is_deepest(&self, cell: usize) -> bool {
-        self.cells[cell].level >= MAX_LEVEL
+    /// Whether a leaf is to be cut further. As for edges of the first mesh, slack keeps those of just this length whole.
+    pub(super) fn is_longer(&self, leaf: usize, smallest: f32) -> bool {
+        self.longest_edge(leaf) > smallest * 1.001 && self.cells[leaf].level < MAX_LEVEL
     }
 
     /// The parts of a cell: red ones, or of a leaf the green ones; none where nothing cuts it.

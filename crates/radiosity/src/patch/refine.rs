@@ -49,6 +49,26 @@ impl PatchMesh {
         levels.flatten().collect()
     }
 
+    /// Longest edge of the elements before any refinement.
+    pub fn longest_unrefined_edge(&self) -> f32 {
+        let tree = self.unrefined_tree();
+        let edges = tree
+            .leaves()
+            .into_iter()
+            .map(|leaf| tree.longest_edge(leaf));
+        edges.fold(0.0, f32::max)
+    }
+
+    /// For each element whether the cell that is cut for it has an edge longer than this.
+    pub fn are_longer(&self, smallest: f32) -> Vec<bool> {
+        let tree = self.red_tree();
+        let leaves = tree.leaves().into_iter().map(|leaf| {
+            let elements = tree.elements_of_leaf(leaf);
+            core::iter::repeat_n(tree.is_longer(leaf, smallest), elements)
+        });
+        leaves.flatten().collect()
+    }
+
     /// Cuts marked elements with an edge longer than `smallest` into four, and others until neighbours differ by at most
     /// one level. Where a mark is on a transition between levels, the cell is cut that it is a part of. `None` if no
     /// element is to be cut.
@@ -69,10 +89,7 @@ impl PatchMesh {
         wanted.retain(|&leaf| {
             let (own, others) = rest.split_at(tree.elements_of_leaf(leaf));
             rest = others;
-            // As for edges of the first mesh, slack keeps those of just this length whole.
-            own.contains(&true)
-                && tree.longest_edge(leaf) > smallest * 1.001
-                && !tree.is_deepest(leaf)
+            own.contains(&true) && tree.is_longer(leaf, smallest)
         });
         for &leaf in &wanted {
             tree.cut(leaf);
