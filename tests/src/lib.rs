@@ -3,6 +3,7 @@
 pub mod enclosures;
 pub mod gpu;
 pub mod shapes;
+pub mod shown_light;
 pub mod solutions;
 pub mod spheres;
 pub mod surfaces;

@@ -38,6 +38,13 @@ impl PatchMesh {
             .map_or(self.elements.len(), |base| base.elements.len())
     }
 
+    /// Whether a node was made by refinement.
+    pub(crate) fn is_refined(&self, id: NodeId) -> bool {
+        self.base
+            .as_ref()
+            .is_some_and(|base| id.index() >= base.nodes)
+    }
+
     /// How often each element was cut out of one of the mesh before any refinement; transitions between levels count as
     /// the cell that they are parts of.
     pub fn levels(&self) -> Vec<u8> {
