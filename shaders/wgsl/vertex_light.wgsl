@@ -1,5 +1,5 @@
 // Light of elements, kept by group and band as solvers keep it, into what pictures show: `elements` adds groups up as dimmed,
-// `vertices` takes means around vertices. Twin of radiosity/src/drawn.rs. It reads a solver's own buffer, so light that is
+// `vertices` takes means around vertices. Twin of radiosity/src/vertex_light.rs. It reads a solver's own buffer, so light that is
 // solved on the device is drawn without leaving it.
 
 struct LightParams {
@@ -18,8 +18,8 @@ struct LightParams {
 // Factor of each group.
 @group(0) @binding(2) var<storage, read> dims: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> element_light: array<vec4<f32>>;
-// Exposed areas.
-@group(0) @binding(4) var<storage, read> areas: array<f32>;
+// Weights of `sources`.
+@group(0) @binding(4) var<storage, read> weights: array<f32>;
 // Where the list of each vertex begins in `sources`, and where it ends.
 @group(0) @binding(5) var<storage, read> ranges: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> sources: array<u32>;
@@ -52,11 +52,8 @@ fn vertices(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         return;
     }
     var sum = vec3(0.0);
-    var weights = 0.0;
     for (var i = ranges[v].x; i < ranges[v].y; i++) {
-        let element = sources[i];
-        sum += element_light[element].rgb * areas[element];
-        weights += areas[element];
+        sum += element_light[sources[i]].rgb * weights[i];
     }
-    vertex_light[v] = vec4(sum / max(weights, 1e-30), 0.0);
+    vertex_light[v] = vec4(sum, 0.0);
 }

@@ -3,9 +3,11 @@
 pub mod enclosures;
 pub mod gpu;
 pub mod shapes;
+pub mod shown_light;
 pub mod solutions;
 pub mod spheres;
 pub mod surfaces;
+pub mod watertight;
 
 use glam::Vec3;
 use hemicube::raster::Rgb;

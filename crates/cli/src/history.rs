@@ -74,7 +74,10 @@ impl History {
         if step >= self.next_state && is_current() {
             self.next_state = (step * self.growth).max(step + 1.0);
             let elements = 0..solution.mesh().elements().len();
-            let state = elements.map(|e| solution.element_radiosity(e)).collect();
+            let state: Vec<Rgb> = elements.map(|e| solution.element_radiosity(e)).collect();
+            // States on a mesh that was refined since cannot be compared with the end.
+            self.states
+                .retain(|(_, earlier)| earlier.len() == state.len());
             self.states.push((self.entries.len() - 1, state));
             self.thin_out();
         }
@@ -98,6 +101,8 @@ impl History {
 
     /// Compares the states that were kept with the end.
     pub fn close(&mut self, end: &Solution) {
+        let elements = end.mesh().elements().len();
+        self.states.retain(|(_, state)| state.len() == elements);
         for (entry, state) in self.states.drain(..) {
             let error = relative_error(&state, end);
             self.entries[entry].error = error.is_finite().then_some(error);

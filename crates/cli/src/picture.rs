@@ -10,7 +10,9 @@ use hemicube::raster::environment::{EnvironmentMap, OpenMapError, map_files, ope
 use hemicube::raster::tonemap::Exposure;
 use hemicube::raster::triangle::Viewport;
 use hemicube::raster::{Image, Rgb};
-use hemicube::render::{Reflections, RenderOptions, Renderer, choose_camera, clip_from_world};
+use hemicube::render::{
+    MeshOverlay, Reflections, RenderOptions, Renderer, choose_camera, clip_from_world,
+};
 use hemicube::scene::{Camera, FisheyeMapping, Projection, Scene};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -38,6 +40,11 @@ pub fn check(scene: &Scene, args: &PictureArgs) -> Result<(), Failure> {
     if args.uses_gpu() {
         let not_built = crate::backend::NOT_BUILT;
         return Err(Failure::Usage(format!("--draw-on gpu: {not_built}")));
+    }
+    if args.uses_gpu() && args.mesh == Some(MeshOverlay::Patches) {
+        return Err(Failure::Usage(String::from(
+            "--draw-on gpu draws the edges of elements only; leave one of --mesh=patches and --draw-on out",
+        )));
     }
     if let Some(path) = &args.environment_file
         && let Some(missing) = surroundings_files(path)?
@@ -91,6 +98,7 @@ impl<'a> View<'a> {
             antialias: args.antialias.unwrap_or(defaults.antialias),
             texture_filter: args.texture_filter.unwrap_or(defaults.texture_filter),
             gather_rays: args.gather_rays.unwrap_or(defaults.gather_rays),
+            mesh: args.mesh,
             ..defaults
         };
         let surroundings = args.environment_file.as_deref().map(surroundings);
@@ -297,6 +305,17 @@ fn surroundings(path: &Path) -> Result<EnvironmentMap, Failure> {
 
 fn surroundings_files(path: &Path) -> Result<Vec<PathBuf>, Failure> {
     map_files(path, None).map_err(|error| Failure::Failed(error.to_string()))
+}
+
+/// Refuses to draw lines into radiance.
+pub fn refuse_mesh_in(target: &Target, args: &PictureArgs) -> Result<(), Failure> {
+    if args.mesh.is_some() && target.ends_in("exr") {
+        return Err(Failure::Usage(format!(
+            "--mesh draws over what a display shows, and {} is to hold radiance; name a .png",
+            target.path.display()
+        )));
+    }
+    Ok(())
 }
 
 /// Refuses to draw over a picture of the surroundings.

@@ -1,7 +1,7 @@
 //! Pictures drawn by a GPU.
 
 use hemicube::gpu::pass::{
-    DrawOptions, Interpolation, Lookup, Smoothing, TextureFiltering, Walkthrough,
+    DrawOptions, Interpolation, Lookup, MeshLines, Smoothing, TextureFiltering, Walkthrough,
 };
 use hemicube::gpu::{Context, GpuError};
 use hemicube::radiosity::Solution;
@@ -90,8 +90,12 @@ fn draw_options(options: &RenderOptions) -> Result<DrawOptions, GpuError> {
     let filtering = TextureFiltering::default()
         .with_minify(minify)
         .with_magnify(magnify);
-    Ok(DrawOptions::default()
+    let drawn = DrawOptions::default()
         .with_interpolation(interpolation)
         .with_filtering(filtering)
-        .with_smoothing(Smoothing::Supersample(options.antialias)))
+        .with_smoothing(Smoothing::Supersample(options.antialias));
+    Ok(match options.mesh {
+        Some(_) => drawn.with_lines(MeshLines::default()),
+        None => drawn,
+    })
 }

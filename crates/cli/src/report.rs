@@ -1,9 +1,9 @@
 //! What the program tells about a solution.
 
 use crate::solving::{Solved, Stop, percent};
-use hemicube::radiosity::Solution;
 use hemicube::radiosity::form_factor::FormFactorKind;
 use hemicube::radiosity::solution::BANDS;
+use hemicube::radiosity::{AdaptiveOptions, Solution};
 use hemicube::scene::{ImportReport, Scene, Units};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -21,7 +21,9 @@ pub struct Report {
     flux_unit: &'static str,
     warnings: Warnings,
     elements: usize,
+    unrefined_elements: usize,
     patches: usize,
+    contrast: Option<Contrast>,
     solver: String,
     form_factors: String,
     rays_per_hemisphere: u32,
@@ -35,6 +37,45 @@ pub struct Report {
     unshot_fraction: f64,
     noise: Option<f64>,
     balance: Vec<Balance>,
+}
+
+/// What `--adaptive` has left.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Contrast {
+    wanted: f32,
+    /// From what on elements were cut: noise may raise it.
+    least: f32,
+    elements_above: usize,
+    smallest_above: usize,
+}
+
+impl Contrast {
+    fn new(adaptive: AdaptiveOptions, solution: &Solution) -> Self {
+        let left = adaptive.left(solution);
+        Self {
+            wanted: adaptive.contrast,
+            least: adaptive.least_contrast(solution),
+            elements_above: left.elements,
+            smallest_above: left.smallest,
+        }
+    }
+
+    fn text(&self) -> String {
+        let least = percent(f64::from(self.least));
+        let noise = if self.least > self.wanted {
+            ", three times the error of the light"
+        } else {
+            ""
+        };
+        if self.elements_above == 0 {
+            return format!("contrast  at most {least} over every element{noise}");
+        }
+        format!(
+            "contrast  above {least} over {}, {} of them as small as allowed{noise}",
+            counted(self.elements_above as u64, "element"),
+            grouped(self.smallest_above as u64)
+        )
+    }
 }
 
 /// Energy of one band, in lm or W (of scene units).
@@ -123,7 +164,12 @@ impl Report {
             flux_unit: flux_unit(mesh.scene().units),
             warnings: Warnings::of_solution(solution),
             elements: mesh.elements().len(),
+            unrefined_elements: mesh.unrefined_elements(),
             patches: mesh.patches().len(),
+            contrast: solved
+                .options
+                .adaptive
+                .map(|adaptive| Contrast::new(adaptive, solution)),
             solver: provenance.solver.clone(),
             form_factors: provenance.form_factors.clone(),
             rays_per_hemisphere: provenance.rays_per_hemisphere,
@@ -143,6 +189,15 @@ impl Report {
     /// As JSON: what a lit .glb keeps.
     pub fn to_json(&self) -> serde_json::Value {
         serde_json::to_value(self).expect("a report is plain numbers and text")
+    }
+
+    /// How many elements there were before some were cut.
+    fn before_refinement(&self) -> String {
+        if self.elements == self.unrefined_elements {
+            return String::new();
+        }
+        let before = grouped(self.unrefined_elements as u64);
+        format!(" ({before} before refinement)")
     }
 
     /// How far the light is from its end.
@@ -169,7 +224,7 @@ impl Report {
         let _ = write!(
             text,
             "scene     {} ({})
-mesh      {}, {}
+mesh      {}{}, {}
 solved    {}, {}, seed {}: {}, {}, {:.1} s; {end}
 {}
 energy    {:>14} {:>13} {:>13} {:>13} {:>9}
@@ -177,6 +232,7 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
             crate::failure::one_line(&self.scene),
             self.units,
             counted(self.elements as u64, "element"),
+            self.before_refinement(),
             counted_patches(self.patches),
             self.solver,
             factors(
@@ -206,6 +262,9 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
                 flux(band.escaped),
                 band.relative_error
             );
+        }
+        if let Some(contrast) = self.contrast {
+            let _ = writeln!(text, "{}", contrast.text());
         }
         if let Some(bytes) = peak_memory() {
             let _ = writeln!(text, "memory    {} MB at most", bytes.div_ceil(1 << 20));

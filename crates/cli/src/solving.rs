@@ -7,6 +7,7 @@ use crate::history::History;
 use crate::interrupt;
 use crate::links::LinksOf;
 use crate::progress::Bar;
+use crate::report::counted;
 use hemicube::radiosity::backend::Backend;
 use hemicube::radiosity::solve::DrawnLink;
 use hemicube::radiosity::{self, Progress, Solution, SolveOptions};
@@ -187,7 +188,7 @@ impl Watch {
                 }
             };
             bar.show(self.share_done(done, steps, elapsed, &options), || {
-                state(progress)
+                on_mesh(options, solution) + &state(progress)
             });
             self.reason().is_none()
         })
@@ -222,6 +223,8 @@ impl Watch {
         let steps = solution.provenance.steps - steps_before;
         let limited = options.max_steps.is_some_and(|most| steps >= most);
         Ok(match self.reason() {
+            // Elements were still to be cut, whatever the light on those there are.
+            Some(reason) if options.adaptive.is_some() => reason,
             _ if unshot <= options.tolerance => Stop::Finished,
             _ if limited => Stop::Iterations,
             reason => reason.unwrap_or(Stop::Finished),
@@ -254,6 +257,17 @@ impl Watch {
             .limit
             .map_or(0.0, |limit| elapsed.as_secs_f64() / limit.as_secs_f64());
         of_light.max(of_steps).max(of_time)
+    }
+}
+
+/// How far a mesh is refined, where it is.
+fn on_mesh(options: SolveOptions, solution: &Solution) -> String {
+    match options.adaptive {
+        Some(_) => format!(
+            "{}, ",
+            counted(solution.mesh().elements().len() as u64, "element")
+        ),
+        None => String::new(),
     }
 }
 

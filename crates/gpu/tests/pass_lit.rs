@@ -28,7 +28,7 @@ fn light_at_vertices_is_the_mean_of_the_elements_around_them() {
         .map(|e| solution.element_irradiance(e))
         .collect();
     let sources = drawn.light_sources(solution.mesh());
-    let means = sources.means(solution.mesh(), &values);
+    let means = sources.means(&values);
     assert_eq!(means, drawn.irradiance, "the same to the bit");
 }
 

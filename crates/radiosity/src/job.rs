@@ -1,5 +1,6 @@
 //! A whole solution in one call: scene in, light out.
 
+use crate::adaptive::{AdaptiveOptions, converge_and_refine};
 use crate::backend::{Backend, Cpu, Shooter};
 use crate::error::RadiosityError;
 use crate::form_factor::hemicube::HemicubeOptions;
@@ -21,7 +22,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Memory that rows of form factors may take, so that a patch that shoots again needs no new rays.
-const ROW_BUDGET: usize = 256 << 20;
+pub(crate) const ROW_BUDGET: usize = 256 << 20;
 
 /// Everything a solution is made with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +52,8 @@ pub struct SolveOptions {
     pub grouping: Grouping,
     /// Most bytes that solvers on a matrix may take for it and what they make of it, or links may take. Default value: 2 GiB.
     pub memory_limit: usize,
+    /// Elements are cut where light varies over them. Default value: none, the mesh stays as it is.
+    pub adaptive: Option<AdaptiveOptions>,
 }
 
 /// Ways to the equilibrium, by their names on the command line.
@@ -209,6 +212,7 @@ impl From<Quality> for SolveOptions {
             solver: SolverKind::default(),
             grouping: Grouping::Together,
             memory_limit: MatrixOptions::default().memory_limit,
+            adaptive: None,
         }
     }
 }
@@ -235,7 +239,7 @@ impl SolveOptions {
                 1 << 20
             ));
         }
-        Ok(())
+        self.adaptive.map_or(Ok(()), |adaptive| adaptive.check())
     }
 
     /// Refuses a solver whose matrix would not fit: known before any light falls.
@@ -408,6 +412,23 @@ pub fn resume_until(
 /// # Errors
 /// As [`resume`], and what the backend cannot do.
 pub fn resume_on(
+    solution: Solution,
+    options: &SolveOptions,
+    backend: &dyn Backend,
+    stop: Stop<'_>,
+    mut go_on: impl FnMut(&Progress, &Solution) -> bool,
+) -> Result<Solution, RadiosityError> {
+    options.check()?;
+    match &options.adaptive {
+        None => converge(solution, options, backend, stop, go_on),
+        Some(adaptive) => {
+            converge_and_refine(solution, options, adaptive, backend, stop, &mut go_on)
+        }
+    }
+}
+
+/// Goes on with a solution to its end, on its mesh.
+pub(crate) fn converge(
     mut solution: Solution,
     options: &SolveOptions,
     backend: &dyn Backend,
@@ -415,7 +436,6 @@ pub fn resume_on(
     mut go_on: impl FnMut(&Progress, &Solution) -> bool,
 ) -> Result<Solution, RadiosityError> {
     let start = Instant::now();
-    options.check()?;
     let before = solution.provenance.clone();
     solution.provenance.solver = options.solver.name().into();
     let most = options

@@ -32,6 +32,7 @@
 //! Functions behind the doors ([`solve()`], [`PatchMesh::build`]) panic only on indices that are not of the mesh.
 #![forbid(unsafe_code)]
 
+pub mod adaptive;
 pub mod backend;
 mod band_sum;
 pub mod compare;
@@ -48,8 +49,10 @@ mod sobol;
 pub mod solution;
 pub mod solve;
 pub mod stop;
+pub mod vertex_light;
 pub mod visibility;
 
+pub use adaptive::AdaptiveOptions;
 pub use drawn::DrawnMesh;
 pub use error::RadiosityError;
 pub use form_factor::{FormFactors, RayCast, RayCastOptions, Row};

@@ -132,12 +132,53 @@ impl Solution {
             provenance: Provenance::default(),
             mesh,
         };
-        let last = solution.groups.len() - 1;
-        for e in 0..elements {
-            solution.add_primary(last, e, primary[e]);
-            solution.add_emission(group_of[e], e);
-        }
+        solution.begin(primary, |e| group_of[e]);
         solution
+    }
+
+    /// The same groups on a refined mesh, or an unrefined one, before the first step.
+    pub(crate) fn unlit_on(&self, mesh: Arc<PatchMesh>, primary: &[Rgb]) -> Self {
+        let values = self.groups.len() * BANDS * mesh.elements().len();
+        let group_of: Vec<usize> = (0..mesh.patches().len())
+            .map(|patch| self.group_of_patch(patch))
+            .collect();
+        let mut solution = Self {
+            irradiance: vec![0.0; values],
+            exitance: vec![0.0; values],
+            unshot: vec![0.0; values],
+            balance: vec![[EnergyBalance::default(); BANDS]; self.groups.len()],
+            groups: self.groups.clone(),
+            provenance: Provenance {
+                steps: 0,
+                noise: None,
+                ..self.provenance.clone()
+            },
+            mesh: mesh.clone(),
+        };
+        solution.begin(primary, |e| group_of[mesh.patch_of_element(e)]);
+        solution
+    }
+
+    /// The group in which the emission of a patch counts; the last one of those that emit nothing.
+    fn group_of_patch(&self, patch: usize) -> usize {
+        let emits = |&group: &usize| {
+            let mut bands = (0..BANDS).map(|band| self.exitance(group, band));
+            bands.any(|exitance| {
+                let mut elements = self.mesh.elements_of_patch(patch);
+                elements.any(|e| exitance[e] != 0.0)
+            })
+        };
+        let last = self.groups.len() - 1;
+        (0..last).find(emits).unwrap_or(last)
+    }
+
+    /// The first light of all elements.
+    fn begin(&mut self, primary: &[Rgb], group_of: impl Fn(usize) -> usize) {
+        let last = self.groups.len() - 1;
+        for (e, &irradiance) in primary.iter().enumerate() {
+            self.add_primary(last, e, irradiance);
+            self.add_emission(group_of(e), e);
+        }
     }
 
     fn add_primary(&mut self, group: usize, e: usize, irradiance: Rgb) {

@@ -69,8 +69,8 @@ fn shade_band(
                     let (column, local) = (block + column, block_row * k + row);
                     let at = grid.position(column, rows.start + local);
                     let sample = local * columns + column;
-                    out[row * columns + column] =
-                        resolve(shader.radiance(sights, sample, at, &mut cache));
+                    let color = resolve(shader.radiance(sights, sample, at, &mut cache));
+                    out[row * columns + column] = shader.with_lines_over(color, sights, sample, at);
                 }
             }
         });

@@ -18,7 +18,8 @@
 //! what is gathered around each vertex when it is first seen, up to some seconds for a model with bumps everywhere.
 //! [`Reflections`] add environment mapping: mirrors show one blurred map per object, neither themselves nor other mirrors,
 //! and planes are mirrored as if seen from their middle. [`Renderer::with_surroundings`] shows a picture behind everything,
-//! which lights nothing. Lights without an area are not drawn, nor mirrored. A one-sided surface seen from behind is left
+//! which lights nothing. [`RenderOptions::mesh`] draws edges of elements or patches over pictures for displays, not over what
+//! mirrors show. Lights without an area are not drawn, nor mirrored. A one-sided surface seen from behind is left
 //! out, also where it is glass. Clear coat and occlusion maps are not read.
 #![forbid(unsafe_code)]
 
@@ -35,6 +36,7 @@ mod footprint;
 mod grid;
 mod interior_view;
 mod lens;
+mod mesh_lines;
 mod options;
 mod projection;
 mod reflections;
@@ -52,7 +54,7 @@ mod trace;
 pub use auto_camera::choose_camera;
 pub use capture::{MirrorPlan, MirrorSite, face_camera};
 pub use error::RenderError;
-pub use options::{ParseShadingError, RenderOptions, Shading, TextureFilter};
+pub use options::{MeshOverlay, ParseShadingError, RenderOptions, Shading, TextureFilter};
 pub use projection::{check_camera, clip_from_world};
 pub use reflections::Reflections;
 pub use renderer::{Renderer, render, render_display, tone_mapped};

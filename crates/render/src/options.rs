@@ -37,6 +37,8 @@ pub struct RenderOptions {
     pub gather_rays: u32,
     /// Radiance where nothing is drawn and the scene has no sky. Default value: none, which is black.
     pub background: Option<Rgb>,
+    /// Edges of the mesh over pictures for displays; radiance has none. Default value: none.
+    pub mesh: Option<MeshOverlay>,
 }
 
 impl Default for RenderOptions {
@@ -50,6 +52,7 @@ impl Default for RenderOptions {
             ambient: true,
             gather_rays: 256,
             background: None,
+            mesh: None,
         }
     }
 }
@@ -112,6 +115,14 @@ impl RenderOptions {
         }
     }
 
+    /// Edges of the mesh over the picture.
+    pub fn with_mesh(self, mesh: MeshOverlay) -> Self {
+        Self {
+            mesh: Some(mesh),
+            ..self
+        }
+    }
+
     /// Samples along a side of so many pixels, with those beyond it that wide filters ask for.
     pub fn samples_of_side(&self, side: usize) -> usize {
         let grid = Supersampler::new(side, 1, self.antialias);
@@ -140,6 +151,28 @@ impl RenderOptions {
                 Err(RenderError::Background(bands))
             }
             _ => Ok(()),
+        }
+    }
+}
+
+/// Whose edges are drawn over a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum MeshOverlay {
+    /// Of what receives light.
+    Elements,
+    /// Of what shoots light.
+    Patches,
+}
+
+impl MeshOverlay {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Elements, Self::Patches];
+
+    /// Name in options.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Elements => "elements",
+            Self::Patches => "patches",
         }
     }
 }

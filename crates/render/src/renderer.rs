@@ -5,7 +5,7 @@ use crate::capture::capture;
 use crate::draw::draw;
 use crate::error::RenderError;
 use crate::lens::Lens;
-use crate::options::{RenderOptions, Shading};
+use crate::options::{MeshOverlay, RenderOptions, Shading};
 use crate::projection::check_camera;
 use crate::reflections::{Mirrors, Reflections};
 use crate::shade::{Light, Shader};
@@ -142,13 +142,14 @@ impl<'a> Renderer<'a> {
 
     /// Linear radiance, see [`render`].
     pub fn linear(&self) -> Image<Rgb> {
-        self.picture(|radiance| radiance)
+        self.picture(None, |radiance| radiance)
     }
 
     /// What a display shows, see [`render_display`].
     pub fn display(&self, exposure: Exposure, tone_map: ToneMap) -> Image<Rgb> {
         let factor = self.exposure_factor(exposure);
-        self.picture(|radiance| tone_map.apply(radiance, factor))
+        let mesh = self.options.mesh;
+        self.picture(mesh, |radiance| tone_map.apply(radiance, factor))
     }
 
     /// The factor of an exposure for this view. The automatic one is taken from a small picture with one sample a pixel
@@ -171,14 +172,20 @@ impl<'a> Renderer<'a> {
         exposure.factor(image.pixels().iter().map(|c| c.luminance()))
     }
 
-    /// The picture with `resolve` applied to each sample before averaging.
-    fn picture(&self, resolve: impl Fn(Rgb) -> Rgb + Sync) -> Image<Rgb> {
+    /// The picture with `resolve` applied to each sample, and then lines over it, before averaging.
+    fn picture(
+        &self,
+        mesh: Option<MeshOverlay>,
+        resolve: impl Fn(Rgb) -> Rgb + Sync,
+    ) -> Image<Rgb> {
         let report = |share| {
             if let Some(progress) = self.progress {
                 progress(share);
             }
         };
-        let shader = self.shader(&self.options, self.light());
+        let shader = self
+            .shader(&self.options, self.light())
+            .with_lines(mesh, self.options.height);
         draw(&shader, self.camera, &self.options, None, resolve, report)
     }
 

@@ -4,6 +4,8 @@ use crate::behind::Behind;
 use crate::filtering::filtered_texel;
 use crate::footprint::Footprint;
 use crate::lens::{CameraRay, Lens};
+use crate::mesh_lines::MeshLines;
+use crate::options::MeshOverlay;
 use crate::reflections::{Mirror, Mirrors};
 use crate::relief::{Bumped, bumped};
 use crate::sight::{Sights, SurfaceHit};
@@ -36,6 +38,8 @@ pub(crate) struct Shader<'a> {
     behind: Behind<'a>,
     /// What objects mirror.
     mirrors: Option<&'a Mirrors>,
+    /// Edges of the mesh.
+    lines: Option<MeshLines<'a>>,
     /// Where the picture's places look,
     lens: Lens,
     /// and the distance of its samples in pixels: so much each of them sees.
@@ -79,6 +83,7 @@ impl<'a> Shader<'a> {
             light,
             behind: Behind::Uniform(stage.behind),
             mirrors: None,
+            lines: None,
             lens,
             spacing,
         }
@@ -97,6 +102,24 @@ impl<'a> Shader<'a> {
     /// With objects that mirror.
     pub fn with_mirrors(self, mirrors: Option<&'a Mirrors>) -> Self {
         Self { mirrors, ..self }
+    }
+
+    /// With edges of the mesh over a picture of so many rows.
+    pub fn with_lines(self, overlay: Option<MeshOverlay>, rows: usize) -> Self {
+        let lines = |overlay| MeshLines::new(self.stage, self.lens, overlay, rows, self.spacing);
+        Self {
+            lines: overlay.map(lines),
+            ..self
+        }
+    }
+
+    /// What a display shows of a sample's colour with the lines on the surface nearest to the eye.
+    pub fn with_lines_over(&self, color: Rgb, sights: &Sights, sample: usize, at: DVec2) -> Rgb {
+        let Some(lines) = &self.lines else {
+            return color;
+        };
+        let nearest = sights.layers(sample).last().unwrap_or(sights.hit(sample));
+        lines.over(color, nearest, at)
     }
 
     /// Radiance that arrives at a sample, which lies at a place in pixels: `L = L_surface + transmittance × L_behind`

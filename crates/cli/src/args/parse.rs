@@ -108,6 +108,15 @@ pub fn tolerance(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("'{text}' is not a number from 0 to below 1"))
 }
 
+/// A contrast of light
+pub fn contrast(text: &str) -> Result<f32, String> {
+    let inside = |x: &f32| *x > 0.0 && *x < 1.0;
+    text.parse()
+        .ok()
+        .filter(inside)
+        .ok_or_else(|| format!("'{text}' is not a contrast between 0 and 1, as 0.1"))
+}
+
 /// A relative standard error.
 pub fn noise(text: &str) -> Result<f64, String> {
     let inside = |x: &f64| *x >= 1e-4 && *x <= 1.0;

@@ -5,7 +5,7 @@ use clap::Args;
 use glam::Vec3;
 use hemicube::raster::antialias::Antialiasing;
 use hemicube::raster::tonemap::{Exposure, ToneMap};
-use hemicube::render::{Shading, TextureFilter};
+use hemicube::render::{MeshOverlay, Shading, TextureFilter};
 use std::path::PathBuf;
 
 /// How a picture is projected.
@@ -106,6 +106,10 @@ pub struct PictureArgs {
         allow_hyphen_values = true
     )]
     pub antialias: Option<Antialiasing>,
+    /// Edges of the mesh over a .png, hidden where surfaces are, of elements (those that receive light) or patches (those
+    /// that shoot it); --mesh alone means elements
+    #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "elements", value_parser = parse::choice(&MeshOverlay::ALL, MeshOverlay::name))]
+    pub mesh: Option<MeshOverlay>,
     /// What draws the picture: cpu, or a gpu that --adapter chooses; it knows no panoramas, fisheyes, jitter and gathering
     /// [default: cpu]
     #[arg(long, value_name = "DEVICE", value_parser = parse::choice(&DrawOn::ALL, DrawOn::name))]
@@ -145,6 +149,7 @@ impl PictureArgs {
             (self.size.is_some(), "--size"),
             (self.shading.is_some(), "--shading"),
             (self.antialias.is_some(), "--antialias"),
+            (self.mesh.is_some(), "--mesh"),
             (self.draw_on.is_some(), "--draw-on"),
             (self.texture_filter.is_some(), "--texture-filter"),
             (!self.environment.is_empty(), "--environment"),

@@ -7,7 +7,7 @@ use crate::report::{SHARE_OF_MEMORY, free_memory};
 use clap::Args;
 use hemicube::radiosity::form_factor::FormFactorKind;
 use hemicube::radiosity::solution::Provenance;
-use hemicube::radiosity::{Quality, SolveOptions, SolverKind};
+use hemicube::radiosity::{AdaptiveOptions, Quality, SolveOptions, SolverKind};
 use hemicube::scene::Scene;
 use std::time::Duration;
 
@@ -128,6 +128,19 @@ pub struct SolveArgs {
     /// Stop after this time since the program's start: 30s, 2m, 1h [default: no limit]
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     pub time: Option<Duration>,
+    /// Cut elements further where light varies over them by more than this, as a share of the brightest place on them
+    /// (0.1: ten percent), solve, and so on until none has more contrast or all that have are as small as allowed. Patches
+    /// stay; the limits of --time and --iterations hold for all rounds together, and --resume goes on from the file's mesh.
+    /// Light that is known up to noise is cut from three times its error on
+    #[arg(long, value_name = "CONTRAST", allow_negative_numbers = true, value_parser = parse::contrast)]
+    pub adaptive: Option<f32>,
+    /// Edges of at most this length are not cut by --adaptive, in scene units (metres) [default: a sixteenth of the longest
+    /// edge of the first elements]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, requires = "adaptive", value_parser = parse::length)]
+    pub smallest: Option<f32>,
+    /// Most elements that --adaptive may come to; those of the largest contrast are cut [default: 4000000]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, requires = "adaptive", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
+    pub most_elements: Option<u32>,
     /// Most memory in MiB for the matrix of solvers that work on one, or for links [default: 2048, or what is free if that
     /// is less]
     #[arg(long, value_name = "MIB", allow_negative_numbers = true, value_parser = parse::whole::<u32>(1..=1 << 24))]
@@ -342,12 +355,25 @@ impl SolveArgs {
         }
         options.noise = self.noise.unwrap_or(options.noise);
         options.max_steps = self.iterations;
+        options.adaptive = self.adaptive_options();
         if let Some(mib) = self.matrix_memory {
             options.memory_limit = mib as usize * (1 << 20);
         } else if let Some(free) = free_memory() {
             let most = usize::try_from(free / 10 * SHARE_OF_MEMORY).unwrap_or(usize::MAX);
             options.memory_limit = options.memory_limit.min(most);
         }
+    }
+
+    /// When elements are cut, if they are.
+    fn adaptive_options(&self) -> Option<AdaptiveOptions> {
+        let defaults = AdaptiveOptions::default();
+        self.adaptive.map(|contrast| AdaptiveOptions {
+            contrast,
+            smallest: self.smallest,
+            most_elements: self
+                .most_elements
+                .map_or(defaults.most_elements, |most| most as usize),
+        })
     }
 
     /// Names of the options that were given and that a finished solution does not follow any more; the seed goes on
@@ -361,6 +387,7 @@ impl SolveArgs {
             (self.noise.is_some(), "--noise"),
             (self.iterations.is_some(), "--iterations"),
             (self.time.is_some(), "--time"),
+            (self.adaptive.is_some(), "--adaptive"),
         ]));
         all
     }

@@ -4,7 +4,7 @@ use super::solution_of;
 use crate::args::{GlobalArgs, RenderVerb};
 use crate::failure::Failure;
 use crate::output::{Target, print, print_json};
-use crate::picture::{ENDINGS, View, check, refuse_surroundings};
+use crate::picture::{ENDINGS, View, check, refuse_mesh_in, refuse_surroundings};
 use serde_json::json;
 use std::time::Instant;
 
@@ -12,6 +12,7 @@ use std::time::Instant;
 pub fn run(args: &RenderVerb, global: GlobalArgs, start: Instant) -> Result<(), Failure> {
     let target = Target::check(&args.output, ENDINGS)?;
     refuse_surroundings(&target, &args.picture)?;
+    refuse_mesh_in(&target, &args.picture)?;
     let solve = args.solve.without_gpu_of_picture(args.picture.uses_gpu());
     let solution = solution_of(
         &args.scene,

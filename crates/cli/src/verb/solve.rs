@@ -178,6 +178,9 @@ impl Targets {
             .as_deref()
             .map(|path| Target::check(path, picture::ENDINGS))
             .transpose()?;
+        if let Some(target) = &image {
+            picture::refuse_mesh_in(target, &args.picture)?;
+        }
         let convergence = args
             .convergence
             .as_deref()

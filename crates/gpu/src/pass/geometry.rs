@@ -294,6 +294,7 @@ fn sources(mesh: &PatchMesh, drawn: &DrawnMesh, origins: &[u32]) -> VertexSource
     VertexSources {
         ranges: some(&origins.iter().map(range).collect::<Vec<_>>()),
         elements: some(all.elements()),
+        weights: some(all.weights()),
     }
 }
 

@@ -7,8 +7,8 @@ use crate::buffer::{bind, compute, empty, filled, groups, layout, module, storag
 use crate::context::Context;
 use crate::error::GpuError;
 use crate::hemicube::{compute_pass, count};
+use hemicube_radiosity::Solution;
 use hemicube_radiosity::solution::BANDS;
-use hemicube_radiosity::{PatchMesh, Solution};
 use hemicube_raster::Rgb;
 use hemicube_shaders::surface as twins;
 use wgpu::{
@@ -67,8 +67,8 @@ pub(crate) struct SurfaceLight {
     pub(crate) element_light: Buffer,
     /// What dimming makes of each element's emission.
     pub(crate) element_dims: Buffer,
-    /// Exposed areas.
-    areas: Buffer,
+    /// Weights of `sources`.
+    weights: Buffer,
     /// The part of `sources` that belongs to each vertex.
     ranges: Buffer,
     /// Elements around vertices.
@@ -85,6 +85,7 @@ pub(crate) struct SurfaceLight {
 pub(crate) struct VertexSources {
     pub(crate) ranges: Vec<[u32; 2]>,
     pub(crate) elements: Vec<u32>,
+    pub(crate) weights: Vec<f32>,
 }
 
 impl SurfaceLight {
@@ -132,7 +133,12 @@ impl SurfaceLight {
             BufferUsages::UNIFORM | BufferUsages::COPY_DST,
         );
         let read_only = |label, data: &[u32]| filled(device, label, data, BufferUsages::STORAGE);
-        let areas = filled(device, "areas", &areas(mesh), BufferUsages::STORAGE);
+        let weights = filled(
+            device,
+            "weights of sources",
+            &from.weights,
+            BufferUsages::STORAGE,
+        );
         let ranges = read_only("ranges of sources", from.ranges.as_flattened());
         let sources = read_only("sources", &from.elements);
         let vertex_light = empty(
@@ -146,7 +152,7 @@ impl SurfaceLight {
             &solved,
             &dims,
             &element_light,
-            &areas,
+            &weights,
             &ranges,
             &sources,
             &vertex_light,
@@ -164,7 +170,7 @@ impl SurfaceLight {
             solved,
             dims,
             element_light,
-            areas,
+            weights,
             ranges,
             sources,
             vertex_light,
@@ -232,7 +238,7 @@ impl SurfaceLight {
             solved,
             &self.dims,
             &self.element_light,
-            &self.areas,
+            &self.weights,
             &self.ranges,
             &self.sources,
             &self.vertex_light,
@@ -270,12 +276,6 @@ impl SurfaceLight {
             run.dispatch_workgroups(x, 1, z);
         }
     }
-}
-
-fn areas(mesh: &PatchMesh) -> Vec<f32> {
-    (0..mesh.elements().len())
-        .map(|e| mesh.exposed_area(e))
-        .collect()
 }
 
 /// Dimmed by undimmed exitance of each element; 1 where one emits nothing.

@@ -4,13 +4,14 @@
 //! clamped to [0, 1], so their product is the reflected light and no albedo counts twice. Emitters are primitives of
 //! their own whose colour is their tone-mapped light; one whose light a texture says (a screen) keeps that texture.
 //! `_IRRADIANCE` is the solution's irradiance in full precision, without any estimate. The scene, the mesh's options
-//! and the solution's arrays lie in a buffer view of ours, found through `extras.hemicube`; from them the same mesh is
-//! built again, so a solution continues exactly.
+//! and the solution's arrays lie in a buffer view of ours, found through `extras.hemicube`, and in another one which
+//! elements were cut, if some were; from them the same mesh is built again, so a solution continues exactly.
 
 use crate::drawn::{DrawnMesh, DrawnPart};
 use crate::error::RadiosityError;
 use crate::patch::{PatchMesh, PatchOptions};
 use crate::solution::{Solution, SolutionData};
+use crate::stop::NEVER;
 use core::f32::consts::PI;
 use glam::{Mat3, Quat, Vec3};
 use hemicube_raster::Rgb;
@@ -86,10 +87,15 @@ pub fn write(solution: &Solution, options: &LitGlbOptions) -> Result<Vec<u8>, Ra
     let state = postcard::to_stdvec(&state)
         .map_err(|e| RadiosityError::File(format!("storing the solution: {e}")))?;
     let view = file.view(&state, None);
-    file.root.insert(
-        String::from("extras"),
-        json!({ "hemicube": { "version": VERSION, "state": view, "exposure": exposure, "report": options.report } }),
-    );
+    let mut own = json!({ "version": VERSION, "state": view, "exposure": exposure, "report": options.report });
+    let refinement = solution.mesh().refinement();
+    if !refinement.is_empty() {
+        let refinement = postcard::to_stdvec(refinement)
+            .map_err(|e| RadiosityError::File(format!("storing the mesh: {e}")))?;
+        own["refinement"] = json!(file.view(&refinement, None));
+    }
+    file.root
+        .insert(String::from("extras"), json!({ "hemicube": own }));
     file.finish()
 }
 
@@ -718,8 +724,17 @@ pub fn read(bytes: &[u8]) -> Result<Solution, RadiosityError> {
             .map_err(|e| damaged(&format!("image {i}: {e}")))?;
         scene.images.push(decoded);
     }
-    let mesh = Arc::new(PatchMesh::build(Arc::new(scene), state.mesh)?);
-    Solution::from_data(mesh, state.solution).map_err(|e| damaged(&e))
+    let mut mesh = PatchMesh::build(Arc::new(scene), state.mesh)?;
+    if !own["refinement"].is_null() {
+        let bytes = view_bytes(&root, binary, own["refinement"].as_u64())
+            .ok_or_else(|| damaged("its mesh is cut off"))?;
+        let refinement = postcard::from_bytes(bytes)
+            .map_err(|e| damaged(&format!("its mesh is damaged ({e})")))?;
+        mesh = mesh
+            .with_refinement(&refinement, NEVER)
+            .map_err(|e| damaged(&e.to_string()))?;
+    }
+    Solution::from_data(Arc::new(mesh), state.solution).map_err(|e| damaged(&e))
 }
 
 /// The JSON and the binary chunk of a `.glb`.

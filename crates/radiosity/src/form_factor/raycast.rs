@@ -31,6 +31,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const RAYS_PER_PAIR: f64 = 1.0 / 16.0;
 /// Most rays of one pair and of one shot.
 const MAX_PAIR_RAYS: u32 = 64;
+/// How many times more rays go from emitters to elements that were cut a posteriori.
+const REFINED_BOOST: f64 = 8.0;
 /// Most rays that tell how much of a row of pairs is lost.
 const MAX_PROBE_RAYS: u32 = 1024;
 const MAX_SHOT_RAYS: f64 = 262_144.0;
@@ -144,14 +146,21 @@ impl RayCast {
     fn pairs(&self, source: NodeId, row: &mut Row) {
         let mesh = &*self.mesh;
         let from = Shooter::new(mesh, source);
-        let boost = if emits(mesh, source) { 4.0 } else { 1.0 };
+        let is_emitter = emits(mesh, source);
+        let boost = if is_emitter { 4.0 } else { 1.0 };
         let found: Vec<(u32, PairFactor)> = mesh
             .elements()
             .par_iter()
             .enumerate()
             .with_min_len(256)
             .filter_map(|(e, &id)| {
-                let factor = self.pair(&from, e, id, boost);
+                // Where a mesh was refined there are shadows of emitters: their noise would look like contrast.
+                let more = if is_emitter && mesh.is_refined(id) {
+                    REFINED_BOOST
+                } else {
+                    1.0
+                };
+                let factor = self.pair(&from, e, id, boost * more);
                 factor.is_some().then(|| (crate::index32(e), factor))
             })
             .collect();

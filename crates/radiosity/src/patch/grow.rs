@@ -99,7 +99,7 @@ impl PatchMesh {
         self.roots[face][side as usize] = Some(id);
     }
 
-    fn push_cell(
+    pub(super) fn push_cell(
         &mut self,
         parent: NodeId,
         kind: NodeKind,

@@ -161,33 +161,35 @@ fn lines_of(mesh: &PatchMesh, id: NodeId) -> (Kind, [Vec4; 3]) {
         let inward = node.normal.cross(b - a);
         inward.extend(-inward.dot(a))
     };
-    // The edge of the first cell that it shares with the second.
-    let shared = |first: usize, second: usize| {
-        let (first, second) = (cells[first].corners(), cells[second].corners());
-        let n = first.len();
-        let edge =
-            (0..n).find(|&i| second.contains(&first[i]) && second.contains(&first[(i + 1) % n]));
-        edge.map(|i| line(first[i], first[(i + 1) % n]))
+    // The edges of a cell that are also edges of some others.
+    let shared = |first: usize, others: core::ops::Range<usize>| -> Vec<Vec4> {
+        let corners = cells[first].corners();
+        let edges = (0..corners.len()).map(|i| (corners[i], corners[(i + 1) % corners.len()]));
+        let is_shared = |&(a, b): &(u32, u32)| {
+            let mut others = cells[others.clone()].iter().map(|cell| cell.corners());
+            others.any(|corners| corners.contains(&a) && corners.contains(&b))
+        };
+        edges.filter(is_shared).map(|(a, b)| line(a, b)).collect()
     };
     let none = Vec4::ZERO;
-    let chain = |lines: [Option<Vec4>; 3]| match lines {
-        [Some(a), Some(b), Some(c)] => Some((Kind::Chain, [a, b, c])),
-        _ => None,
-    };
-    let found = match (node.cell.count, cells.len()) {
-        (_, 2) => chain([shared(0, 1), Some(none), Some(none)]),
-        (3, 3) => {
-            let [ab, _, bc] = [0, 1, 2].map(|i| cells[0].corners[i]);
-            chain([Some(line(bc, ab)), shared(1, 2), Some(none)])
+    let n = cells.len();
+    if n > 4 {
+        return (Kind::Fan, [none; 3]);
+    }
+    if n == 4 && cells[0].count == 4 {
+        if let ([a], [b]) = (&shared(0, 1..2)[..], &shared(0, 3..4)[..]) {
+            return (Kind::Cross, [*a, *b, none]);
         }
-        (3, 4) => chain([shared(0, 3), shared(1, 3), shared(2, 3)]),
-        (4, 4) if cells[0].count == 4 => match (shared(0, 1), shared(0, 3)) {
-            (Some(a), Some(b)) => Some((Kind::Cross, [a, b, none])),
-            _ => None,
-        },
-        _ => None,
-    };
-    found.unwrap_or((Kind::Fan, [none; 3]))
+    }
+    // One line after the other parts a cell from all later ones.
+    let mut lines = [none; 3];
+    for i in 0..n - 1 {
+        match shared(i, i + 1..n)[..] {
+            [line] => lines[i] = line,
+            _ => return (Kind::Fan, [none; 3]),
+        }
+    }
+    (Kind::Chain, lines)
 }
 
 impl PatchMesh {

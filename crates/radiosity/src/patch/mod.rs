@@ -13,15 +13,20 @@ mod grow;
 mod locate;
 mod materials;
 mod options;
+mod red_green;
+mod refine;
 mod sizes;
 pub mod subdivide;
 
 pub use options::PatchOptions;
+pub use red_green::Refinement;
+pub use refine::RefinementPlan;
 
 use crate::error::RadiosityError;
 use crate::patch::exposure::{ExposedArea, ExposedPoints};
 use crate::patch::face::{Side, WorldFace, world_faces};
 use crate::patch::locate::Locator;
+use crate::patch::refine::Base;
 use crate::patch::sizes::Sizes;
 use crate::patch::subdivide::Cell;
 use crate::sampling::{cosine_direction, point2};
@@ -31,6 +36,7 @@ use glam::Vec3;
 use hemicube_raster::Rgb;
 use hemicube_scene::{ImportReport, Scene};
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Most elements that a mesh may have; a million take about 600 MB with everything that is made of them.
@@ -109,6 +115,10 @@ pub struct PatchMesh {
     transmittance: Vec<Rgb>,
     exposure: Vec<ExposedPoints>,
     exposed_area: Vec<f32>,
+    hard_edges: HashSet<(u32, u32)>,
+    /// What it was before any refinement, if there was one.
+    base: Option<Arc<Base>>,
+    refinement: Refinement,
     report: ImportReport,
 }
 
@@ -168,25 +178,33 @@ impl PatchMesh {
             report,
             exposure: Vec::new(),
             exposed_area: Vec::new(),
+            hard_edges: HashSet::new(),
+            base: None,
+            refinement: Refinement::default(),
             visibility: Arc::new(Visibility::new(scene.clone(), faces.clone())),
             faces,
             scene,
         };
-        let stopped = RadiosityError::Stopped("while the mesh was built");
-        if mesh.grow(sizes, stop).is_none() || mesh.average_materials(stop).is_none() {
-            return Err(stopped);
+        if mesh.grow(sizes, stop).is_none() || mesh.finish(stop).is_none() {
+            return Err(RadiosityError::Stopped("while the mesh was built"));
         }
-        let exposure = exposure::of_elements(&mesh, stop).ok_or(stopped)?;
-        mesh.exposed_area = exposure
+        Ok(mesh)
+    }
+
+    /// Everything that follows from the nodes and the cuts; none if it was stopped.
+    fn finish(&mut self, stop: Stop<'_>) -> Option<()> {
+        self.average_materials(stop)?;
+        let exposure = exposure::of_elements(self, stop)?;
+        self.exposed_area = exposure
             .iter()
-            .zip(&mesh.elements)
-            .map(|(exposure, &id)| exposure.share * mesh.node(id).area)
+            .zip(&self.elements)
+            .map(|(exposure, &id)| exposure.share * self.node(id).area)
             .collect();
-        mesh.exposure = exposure
+        self.exposure = exposure
             .into_iter()
             .map(|exposure| exposure.points)
             .collect();
-        Ok(mesh)
+        Some(())
     }
 
     /// The scene it was made from.
@@ -248,6 +266,26 @@ impl PatchMesh {
     /// [`Self::faces`] and [vertices](Self::vertices). No node stands for them.
     pub fn obstructions(&self) -> &[(u32, Cell)] {
         &self.obstructions
+    }
+
+    /// Edges along which light may jump, by their vertices, the smaller index first: shadows end there, or another surface
+    /// stands there. Light is not averaged over them.
+    pub fn hard_edges(&self) -> &HashSet<(u32, u32)> {
+        &self.hard_edges
+    }
+
+    /// Whether light may jump along an edge.
+    pub(crate) fn is_hard_edge(&self, a: u32, b: u32) -> bool {
+        !self.hard_edges.is_empty() && self.hard_edges.contains(&(a.min(b), a.max(b)))
+    }
+
+    /// The same mesh with other [hard edges](Self::hard_edges); which vertex comes first does not matter.
+    pub fn with_hard_edges(self, edges: impl IntoIterator<Item = (u32, u32)>) -> Self {
+        let sorted = |(a, b): (u32, u32)| (a.min(b), a.max(b));
+        Self {
+            hard_edges: edges.into_iter().map(sorted).collect(),
+            ..self
+        }
     }
 
     /// World positions of the shared vertices.

@@ -53,6 +53,19 @@ pub struct Vertices {
 }
 
 impl Vertices {
+    /// Vertices of which no edge has a middle yet.
+    pub(super) fn over(positions: Vec<Vec3>) -> Self {
+        Self {
+            positions,
+            ..Self::default()
+        }
+    }
+
+    /// The vertex in the middle of an edge, if the edge was halved.
+    pub(super) fn known_middle(&self, a: u32, b: u32) -> Option<u32> {
+        self.middles.get(&(a.min(b), a.max(b))).copied()
+    }
+
     /// The vertex at exactly this position, new if there is none.
     pub fn at(&mut self, position: Vec3) -> u32 {
         // -0 and 0 are the same place.
@@ -73,7 +86,7 @@ impl Vertices {
     }
 
     /// A new vertex in the centre of a cell.
-    fn centre(&mut self, cell: Cell) -> u32 {
+    pub(super) fn centre(&mut self, cell: Cell) -> u32 {
         let sum: Vec3 = cell
             .corners()
             .iter()
@@ -153,7 +166,11 @@ fn split_quad(cell: Cell, middles: &[Option<u32>], vertices: &mut Vertices) -> V
     }
 }
 
-fn split_triangle(cell: Cell, middles: &[Option<u32>], vertices: &Vertices) -> Vec<Cell> {
+pub(super) fn split_triangle(
+    cell: Cell,
+    middles: &[Option<u32>],
+    vertices: &Vertices,
+) -> Vec<Cell> {
     let corners = cell.corners();
     let count = middles.iter().flatten().count();
     // Turn the triangle so that the first edge is halved and, of two, the third is not.

@@ -31,7 +31,7 @@ mod max_tree;
 pub mod on_matrix;
 pub mod overshooting;
 pub mod shooting;
-mod shot;
+pub(crate) mod shot;
 pub mod southwell;
 pub mod stochastic;
 pub mod system;

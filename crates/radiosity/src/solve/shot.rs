@@ -6,7 +6,7 @@ use crate::solution::{BANDS, EnergyBalance};
 use hemicube_raster::Rgb;
 
 /// What a shot needs to know of the elements, each array on its own so that a row runs through them in order.
-pub(super) struct Surfaces {
+pub(crate) struct Surfaces {
     inverse_area: Vec<f32>,
     pub(super) reflectance: [Vec<f32>; BANDS],
     /// Share of arriving light that is not let straight through.
@@ -14,7 +14,7 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    pub(super) fn new(mesh: &PatchMesh) -> Self {
+    pub(crate) fn new(mesh: &PatchMesh) -> Self {
         let areas = (0..mesh.elements().len()).map(|e| mesh.exposed_area(e));
         let bands = |values: &[Rgb], of: fn(f32) -> f32| {
             [0, 1, 2].map(|band| values.iter().map(|v| of(v[band])).collect())
@@ -29,7 +29,7 @@ impl Surfaces {
     /// Spreads a flux of one channel by a row and books it. `reflect` hears of each receiver what share of the flux
     /// it reflects, and the radiosity that this adds to it.
     #[inline]
-    pub(super) fn spread(
+    pub(crate) fn spread(
         &self,
         row: &Row,
         band: usize,
