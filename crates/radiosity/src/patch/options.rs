@@ -20,8 +20,9 @@ pub struct PatchOptions {
     /// Number of elements to aim at if there is no `element_size`, beyond one for each lit side of a face.
     /// Default value: 4000.
     pub elements: Option<usize>,
-    /// How the model is mended first. Default value: all that is sure to be a fault.
-    #[serde(default)]
+    /// How the model is mended first. Default value: all that is sure to be a fault; files that do not say were solved
+    /// without.
+    #[serde(default = "CleanOptions::none")]
     pub clean: CleanOptions,
 }
 
