@@ -11,14 +11,14 @@ use hemicube_tests::solutions::{balance_error, built_in, irradiance_bits};
 
 fn options(solver: SolverKind) -> SolveOptions {
     SolveOptions {
-        mesh: PatchOptions::default().with_elements(300).with_patches(80),
-        rays: 64,
+        mesh: PatchOptions::default().with_elements(150).with_patches(40),
+        rays: 16,
         noise: 0.1,
         solver,
         adaptive: Some(
             AdaptiveOptions::default()
                 .with_contrast(0.4)
-                .with_smallest(30.0),
+                .with_smallest(60.0),
         ),
         ..Quality::Draft.into()
     }
@@ -147,7 +147,7 @@ fn elements_with_contrast_are_cut_and_flat_ones_are_not() {
     for (e, &contrast) in contrasts.iter().enumerate() {
         if contrast > 0.4 {
             assert!(
-                is_cut(e) || !before.mesh().are_longer(30.0)[e],
+                is_cut(e) || !before.mesh().are_longer(60.0)[e],
                 "element {e} of contrast {contrast}"
             );
         } else if contrast < 0.2 {

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 /// Scenes with quads, triangles and fans, two-sided surfaces, small and large faces.
-const SCENES: [&str; 4] = ["cornell", "two-rooms", "office", "chapel"];
+const SCENES: [&str; 4] = ["cornell", "two-rooms", "office", "conference-room"];
 
 fn mesh_of(scene: &str) -> PatchMesh {
     let options = PatchOptions::default().with_elements(800).with_patches(100);
