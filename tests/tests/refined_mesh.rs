@@ -17,7 +17,8 @@ fn mesh_of(scene: &str) -> PatchMesh {
 
 /// Marks some elements, by a hash of their number and the round, and always the first.
 fn some(mesh: &PatchMesh, round: usize, one_of: usize) -> Vec<bool> {
-    let is_marked = |e: usize| e == 0 || (e * 7919 + round * 104_729) % 1009 % one_of == 0;
+    let is_marked =
+        |e: usize| e == 0 || ((e * 7919 + round * 104_729) % 1009).is_multiple_of(one_of);
     (0..mesh.elements().len()).map(is_marked).collect()
 }
 
