@@ -1,8 +1,10 @@
 //! Light as pictures show it: interpolated over elements from their vertices.
 
 use glam::Vec3;
-use hemicube::radiosity::{DrawnMesh, Solution};
+use hemicube::radiosity::sampling::point2;
+use hemicube::radiosity::{DrawnMesh, GatherOptions, Gatherer, Solution};
 use hemicube::raster::Rgb;
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Irradiance of a solution at any place of its surfaces.
@@ -65,4 +67,63 @@ fn barycentric([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
     let share =
         |p: Vec3, q: Vec3| (p - point).cross(q - point).dot(normal) / normal.length_squared();
     [share(b, c), share(c, a), share(a, b)]
+}
+
+/// Irradiance at a place, gathered.
+#[derive(Debug, Clone, Copy)]
+pub struct Gathered {
+    /// On a surface.
+    pub point: Vec3,
+    /// Of the side that is looked at.
+    pub normal: Vec3,
+    /// Irradiance there.
+    pub irradiance: Rgb,
+}
+
+/// Light at places spread evenly over the exposed surfaces of a solution, gathered from it by so many rays.
+pub fn gathered(solution: &Solution, places: usize, rays: u32) -> Vec<Gathered> {
+    let mesh = solution.mesh();
+    let options = GatherOptions {
+        rays,
+        ..GatherOptions::default()
+    };
+    let gatherer = Gatherer::new(solution, options);
+    let areas = (0..mesh.elements().len()).map(|e| f64::from(mesh.exposed_area(e)));
+    let step = areas.clone().sum::<f64>() / places as f64;
+    // Systematic sampling: one place whenever the sum of the areas passes another step.
+    let (mut sum, mut chosen) = (0.5 * step, Vec::new());
+    for (e, area) in areas.enumerate() {
+        sum += area;
+        while sum >= step {
+            sum -= step;
+            chosen.push(e);
+        }
+    }
+    let place = |(i, &e): (usize, &usize)| {
+        let number = u32::try_from(i).expect("few places");
+        let point = mesh.exposed(e).point(point2(number, 0));
+        let normal = mesh.node(mesh.elements()[e]).normal;
+        let irradiance = gatherer.irradiance(point, normal);
+        Gathered {
+            point,
+            normal,
+            irradiance,
+        }
+    };
+    chosen.par_iter().enumerate().map(place).collect()
+}
+
+/// Root of the mean squared error of what a solution shows, in luminance, relative to the mean luminance.
+pub fn shown_error(solution: &Solution, truth: &[Gathered]) -> f64 {
+    let shown = ShownLight::new(solution);
+    let (mut squares, mut light, mut count) = (0.0, 0.0, 0.0);
+    for place in truth {
+        if let Some(found) = shown.irradiance(place.point, place.normal) {
+            let right = f64::from(place.irradiance.luminance());
+            squares += (f64::from(found.luminance()) - right).powi(2);
+            light += right;
+            count += 1.0;
+        }
+    }
+    (squares / count).sqrt() / (light / count)
 }

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 /// Scenes with quads, triangles and fans, two-sided surfaces, small and large faces.
-const SCENES: [&str; 4] = ["cornell", "two-rooms", "office", "chapel"];
+const SCENES: [&str; 4] = ["cornell", "two-rooms", "office", "conference-room"];
 
 fn mesh_of(scene: &str) -> PatchMesh {
     let options = PatchOptions::default().with_elements(800).with_patches(100);
@@ -17,7 +17,8 @@ fn mesh_of(scene: &str) -> PatchMesh {
 
 /// Marks some elements, by a hash of their number and the round, and always the first.
 fn some(mesh: &PatchMesh, round: usize, one_of: usize) -> Vec<bool> {
-    let is_marked = |e: usize| e == 0 || (e * 7919 + round * 104_729) % 1009 % one_of == 0;
+    let is_marked =
+        |e: usize| e == 0 || ((e * 7919 + round * 104_729) % 1009).is_multiple_of(one_of);
     (0..mesh.elements().len()).map(is_marked).collect()
 }
 

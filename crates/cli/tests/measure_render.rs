@@ -344,3 +344,28 @@ fn surroundings_are_read_in_any_form() {
     assert_eq!(drawn("faces"), cross, "a folder");
     assert_eq!(drawn("f-{face}.exr"), cross, "a name for all");
 }
+
+#[test]
+fn the_mesh_lies_over_pictures_for_displays() {
+    let folder = Folder::new();
+    folder.done(&small(&["solve", "cornell", "-o", "lit.glb"]));
+    let render = |file: &'static str, mesh: &[&'static str]| {
+        let args = ["render", "lit.glb", "-o", file, "--size", "90x90"];
+        folder.done(&[&args[..], mesh].concat());
+        folder.read(file)
+    };
+    let pictures = [
+        render("plain.png", &[]),
+        render("elements.png", &["--mesh"]),
+        render("patches.png", &["--mesh=patches"]),
+    ];
+    assert_ne!(pictures[0], pictures[1], "elements have edges");
+    assert_ne!(pictures[1], pictures[2], "and patches others");
+    assert_eq!(
+        pictures[1],
+        render("again.png", &["--mesh=elements"]),
+        "the same by name"
+    );
+    let error = folder.fails(2, &["render", "lit.glb", "-o", "light.exr", "--mesh"]);
+    assert!(error.contains("radiance"), "{error}");
+}

@@ -480,3 +480,40 @@ fn a_faulty_model_is_mended_unless_told_otherwise() {
     let error = folder.fails(2, &["solve", "room.obj", "--weld", "-1"]);
     assert!(error.contains("-1"), "{error}");
 }
+
+#[test]
+fn elements_are_cut_where_light_varies_and_the_file_keeps_them() {
+    let folder = Folder::new();
+    let adaptive = ["--adaptive", "0.5", "--smallest", "60"];
+    let solve = [
+        "solve",
+        "cornell",
+        "-o",
+        "fine.glb",
+        "--convergence",
+        "way.csv",
+    ];
+    let report = folder.json(&small(&[&solve[..], &adaptive].concat()));
+    let number = |report: &serde_json::Value, name: &str| report[name].as_u64().expect("a number");
+    let elements = number(&report, "elements");
+    assert!(elements > number(&report, "unrefined_elements"), "{report}");
+    assert_eq!(report["stopped"], "finished", "{report}");
+    assert_eq!(report["contrast"]["wanted"], 0.5, "{report}");
+    let lines = folder.text("way.csv").lines().count() as u64;
+    assert!(lines > 10, "the way through all rounds: {lines} lines");
+
+    let again = folder.json(&[
+        "solve",
+        "--resume",
+        "fine.glb",
+        "--tolerance",
+        "1e-3",
+        "-o",
+        "on.glb",
+    ]);
+    assert_eq!(number(&again, "elements"), elements, "the mesh of the file");
+    let text = folder.done(&small(&[&["solve", "cornell"][..], &adaptive].concat()));
+    for word in ["before refinement", "contrast"] {
+        assert!(text.contains(word), "'{word}' in {text}");
+    }
+}

@@ -7,6 +7,7 @@
 //! Exhibits on measured data ask for files ([`Exhibit::needs`]); all others need nothing.
 #![forbid(unsafe_code)]
 
+mod adaptive;
 mod antialiasing;
 mod bumps;
 mod csg;
@@ -36,6 +37,7 @@ const ROOMS: &[&[Exhibit]] = &[
     two_part::EXHIBITS,
     bumps::EXHIBITS,
     environments::EXHIBITS,
+    adaptive::EXHIBITS,
 ];
 
 #[cfg(test)]

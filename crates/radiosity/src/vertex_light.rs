@@ -8,11 +8,11 @@
 //!
 //! Weights are corrected so that light which is linear over a part comes out exactly, also where elements of different
 //! sizes meet: `w = a (1 + λ·d)` with area `a`, offset `d` of the element's centre from the vertex, and `λ` such that
-//! `Σ w d = 0`. That needs a vertex amid the centres; on a border, where some weight would be negative, areas weigh alone
-//! (as corrected ones would have to extrapolate).
+//! `Σ w d = 0`; elements whose weight were negative are left out, so values stay within those around. That needs a vertex
+//! amid the centres; on a border, where corrected weights would have to extrapolate, areas weigh alone.
 
 use crate::patch::PatchMesh;
-use glam::Vec3;
+use glam::{Mat2, Vec2, Vec3};
 use hemicube_raster::Rgb;
 use rayon::prelude::*;
 
@@ -274,8 +274,8 @@ fn weights(mesh: &PatchMesh, vertex: u32, elements: &[u32]) -> Vec<f32> {
     weights
 }
 
-/// `a (1 + λ·d)` with `Σ a (1 + λ·d) d = 0` in the plane of the part; `None` if a weight were negative or centres lie on a
-/// line.
+/// Weights with `Σ w d = 0` in the plane of the part: `a (1 + λ·d)`, without the elements whose weight were negative.
+/// `None` if the vertex is not amid the others' centres.
 fn linear_weights(
     mesh: &PatchMesh,
     vertex: u32,
@@ -286,29 +286,34 @@ fn linear_weights(
     let (right, up) = normal_of(mesh, elements[0]).any_orthonormal_pair();
     let offset = |&e: &u32| {
         let d = mesh.node(mesh.elements()[e as usize]).centroid - at;
-        glam::Vec2::new(d.dot(right), d.dot(up))
+        Vec2::new(d.dot(right), d.dot(up))
     };
-    let offsets: Vec<glam::Vec2> = elements.iter().map(offset).collect();
-    let (mut first, mut second) = (glam::Vec2::ZERO, glam::Mat2::ZERO);
+    let offsets: Vec<Vec2> = elements.iter().map(offset).collect();
+    let mut kept = areas.to_vec();
+    // Each round leaves out an element at least, and three must remain.
+    loop {
+        let lambda = balance(&offsets, &kept)?;
+        let weight = |(d, area): (&Vec2, &f32)| area * (1.0 + lambda.dot(*d));
+        let weights: Vec<f32> = offsets.iter().zip(&kept).map(weight).collect();
+        if weights.iter().all(|&weight| weight >= 0.0) {
+            return Some(weights);
+        }
+        for (area, weight) in kept.iter_mut().zip(weights) {
+            *area = if weight < 0.0 { 0.0 } else { *area };
+        }
+    }
+}
+
+/// `λ` with `Σ a (1 + λ·d) d = 0`; `None` if the offsets lie on a line.
+fn balance(offsets: &[Vec2], areas: &[f32]) -> Option<Vec2> {
+    let (mut first, mut second) = (Vec2::ZERO, Mat2::ZERO);
     for (&d, &area) in offsets.iter().zip(areas) {
         first += d * area;
-        second += glam::Mat2::from_cols(d * d.x, d * d.y) * area;
+        second += Mat2::from_cols(d * d.x, d * d.y) * area;
     }
     let spread = second.x_axis.x + second.y_axis.y;
-    // Centres in a line have no determinant.
-    if second.determinant() <= 1e-3 * spread * spread {
-        return None;
-    }
-    let lambda = second.inverse() * -first;
-    let corrected = offsets
-        .iter()
-        .zip(areas)
-        .map(|(d, area)| area * (1.0 + lambda.dot(*d)));
-    let weights: Vec<f32> = corrected.collect();
-    weights
-        .iter()
-        .all(|&weight| weight >= 0.0)
-        .then_some(weights)
+    let is_flat = second.determinant() <= 1e-3 * spread * spread;
+    (!is_flat).then(|| second.inverse() * -first)
 }
 
 fn normal_of(mesh: &PatchMesh, element: u32) -> Vec3 {

@@ -17,8 +17,8 @@ const ROWS: f64 = 1000.0;
 /// Cells fade out where they are narrower than this many half widths.
 const FADING: f64 = 8.0;
 
-/// Luminance from which on lines are darker than what they lie on, below it they are lighter.
-const MIDDLE: f32 = 0.12;
+/// Brightest band from which on lines are darker than what they lie on; below it they are lighter.
+const MIDDLE: f32 = 0.06;
 
 /// Edges of elements or patches.
 #[derive(Debug)]
@@ -55,7 +55,7 @@ impl<'a> MeshLines<'a> {
         if share <= 0.0 {
             return color;
         }
-        let line = if color.luminance() > MIDDLE {
+        let line = if color.max_band() > MIDDLE {
             color * 0.1
         } else {
             color.lerp(Rgb::WHITE, 0.35)

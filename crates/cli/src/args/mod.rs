@@ -103,6 +103,7 @@ Examples:
   hemicube solve --resume lit.glb -o better.glb --tolerance 1e-4 --solver conjugate-gradient
   hemicube solve cornell --solver overshooting --convergence history.png
   hemicube solve conference-room --solver hierarchical --image room.png --links links.png
+  hemicube solve office --adaptive 0.2 -o lit.glb --image mesh.png --mesh
 
 Without -o and --image only the report is printed. Ctrl-C stops and writes what has been reached (exit code 0, or 130 if there is no file to write); a second Ctrl-C ends \
 at once.";
@@ -173,6 +174,7 @@ Examples:
   hemicube render lit.glb -o view.png
   hemicube render office -o desk.png --camera desk --shading gather --size 480x320
   hemicube render lit.glb -o view.exr --eye 2,1.6,3 --look-at 0,1,0 --fov 70
+  hemicube render lit.glb -o mesh.png --mesh=patches
   hemicube render lit.glb -o all.png --projection panorama --size 2048x1024 --antialias 4x4:bartlett
   hemicube render lit.glb -o view.png --draw-on gpu --antialias 2x2:bartlett
   hemicube render model.glb -o model.png --sky 1,1,1 --environment '*chrome*' --environment-file sky.hdr

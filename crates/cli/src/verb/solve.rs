@@ -82,7 +82,7 @@ fn solve(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<Solved,
     }
     refuse_links(args, options.solver)?;
     let unshot = solution.unshot_fraction();
-    if unshot <= options.tolerance {
+    if unshot <= options.tolerance && options.adaptive.is_none() {
         let (unshot, tolerance) = (percent(unshot), options.tolerance);
         note(
             global,

@@ -176,16 +176,17 @@ fn lines_of(mesh: &PatchMesh, id: NodeId) -> (Kind, [Vec4; 3]) {
     if n > 4 {
         return (Kind::Fan, [none; 3]);
     }
-    if n == 4 && cells[0].count == 4 {
-        if let ([a], [b]) = (&shared(0, 1..2)[..], &shared(0, 3..4)[..]) {
-            return (Kind::Cross, [*a, *b, none]);
-        }
+    if n == 4
+        && cells[0].count == 4
+        && let ([a], [b]) = (&shared(0, 1..2)[..], &shared(0, 3..4)[..])
+    {
+        return (Kind::Cross, [*a, *b, none]);
     }
     // One line after the other parts a cell from all later ones.
     let mut lines = [none; 3];
-    for i in 0..n - 1 {
+    for (i, found) in lines.iter_mut().enumerate().take(n - 1) {
         match shared(i, i + 1..n)[..] {
-            [line] => lines[i] = line,
+            [line] => *found = line,
             _ => return (Kind::Fan, [none; 3]),
         }
     }
