@@ -3,6 +3,7 @@
 use crate::solving::{Solved, Stop, percent};
 use hemicube::radiosity::Solution;
 use hemicube::radiosity::form_factor::FormFactorKind;
+use hemicube::radiosity::patch::constraints::CutCounts;
 use hemicube::radiosity::solution::BANDS;
 use hemicube::scene::{ImportReport, Scene, Units};
 use serde::Serialize;
@@ -22,6 +23,7 @@ pub struct Report {
     warnings: Warnings,
     elements: usize,
     patches: usize,
+    cuts: CutCounts,
     solver: String,
     form_factors: String,
     rays_per_hemisphere: u32,
@@ -124,6 +126,7 @@ impl Report {
             warnings: Warnings::of_solution(solution),
             elements: mesh.elements().len(),
             patches: mesh.patches().len(),
+            cuts: mesh.cuts(),
             solver: provenance.solver.clone(),
             form_factors: provenance.form_factors.clone(),
             rays_per_hemisphere: provenance.rays_per_hemisphere,
@@ -169,7 +172,7 @@ impl Report {
         let _ = write!(
             text,
             "scene     {} ({})
-mesh      {}, {}
+mesh      {}, {}{}
 solved    {}, {}, seed {}: {}, {}, {:.1} s; {end}
 {}
 energy    {:>14} {:>13} {:>13} {:>13} {:>9}
@@ -178,6 +181,7 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
             self.units,
             counted(self.elements as u64, "element"),
             counted_patches(self.patches),
+            cut_along(self.cuts),
             self.solver,
             factors(
                 &self.form_factors,
@@ -212,6 +216,20 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
         }
         text + &self.warnings.text()
     }
+}
+
+/// What elements were cut along, after a semicolon; nothing if none was.
+pub fn cut_along(cuts: CutCounts) -> String {
+    let parts = [(cuts.joints, "joint"), (cuts.shadow_lines, "shadow line")];
+    let told: Vec<String> = parts
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, noun)| counted(count as u64, noun))
+        .collect();
+    if told.is_empty() {
+        return String::new();
+    }
+    format!("; cut along {}", told.join(" and "))
 }
 
 /// The way to the form factors and how fine it was.

@@ -10,6 +10,7 @@
 mod antialiasing;
 mod bumps;
 mod csg;
+mod discontinuity;
 mod environments;
 mod exhibit;
 mod field;
@@ -36,6 +37,7 @@ const ROOMS: &[&[Exhibit]] = &[
     two_part::EXHIBITS,
     bumps::EXHIBITS,
     environments::EXHIBITS,
+    discontinuity::EXHIBITS,
 ];
 
 #[cfg(test)]

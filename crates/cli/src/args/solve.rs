@@ -78,6 +78,12 @@ pub struct MeshArgs {
     /// Patches to aim at instead of a size [default: 400]
     #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
     pub patches: Option<u32>,
+    /// Cut elements along the borders of shadows and penumbrae of lamps, points and sun, so that few elements draw them sharp
+    #[arg(long)]
+    pub discontinuities: bool,
+    /// Do not cut elements where other faces cross or stand on them, nor in vertices of other faces on their edges
+    #[arg(long)]
+    pub no_joints: bool,
     /// Way to the form factors; gpu draws hemicubes and gpu-raycast casts rays on a GPU [default: raycast]
     #[arg(long, value_name = "METHOD", value_parser = parse::choice(&FactorWay::ALL, FactorWay::name))]
     pub form_factors: Option<FactorWay>,
@@ -195,6 +201,8 @@ impl MeshArgs {
             Some(count) => Some(count as usize),
             None => (self.element_size.is_none() && keeps_preset).then_some(preset),
         };
+        mesh.joints = !self.no_joints;
+        mesh.discontinuities = self.discontinuities;
         self.override_factors(&mut options);
         options
     }
@@ -253,6 +261,8 @@ impl MeshArgs {
             (self.elements.is_some(), "--elements"),
             (self.patch_size.is_some(), "--patch-size"),
             (self.patches.is_some(), "--patches"),
+            (self.discontinuities, "--discontinuities"),
+            (self.no_joints, "--no-joints"),
         ])
     }
 

@@ -4,6 +4,8 @@
 //! into smaller and smaller cells. *Patches* (they shoot) and *elements* (they receive; Cohen, Greenberg, Immel, Brock
 //! 1986) are two cuts through that forest: every root-to-leaf path crosses each once, patches above elements.
 
+pub mod constraints;
+pub mod discontinuities;
 pub mod edit;
 pub mod exposure;
 pub mod face;
@@ -17,6 +19,7 @@ pub mod subdivide;
 pub use options::PatchOptions;
 
 use crate::error::RadiosityError;
+use crate::patch::constraints::CutCounts;
 use crate::patch::exposure::{ExposedArea, ExposedPoints};
 use crate::patch::face::{Side, WorldFace, world_faces};
 use crate::patch::locate::Locator;
@@ -29,6 +32,7 @@ use glam::Vec3;
 use hemicube_raster::Rgb;
 use hemicube_scene::{ImportReport, Scene};
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Most elements that a mesh may have; a million take about 600 MB with everything that is made of them.
@@ -57,6 +61,8 @@ pub struct Node {
     pub kind: NodeKind,
     /// Its vertices, counter-clockwise seen from the side that receives; empty for clusters.
     cell: Cell,
+    /// Whether the nodes below it come from lines that cross it instead of halving.
+    is_cut: bool,
     /// Area in square scene units; of clusters the sum over their surfaces.
     pub area: f32,
     /// Mean of the vertices.
@@ -107,6 +113,8 @@ pub struct PatchMesh {
     transmittance: Vec<Rgb>,
     exposure: Vec<ExposedPoints>,
     exposed_area: Vec<f32>,
+    hard_edges: HashSet<(u32, u32)>,
+    cuts: CutCounts,
     report: ImportReport,
 }
 
@@ -164,6 +172,8 @@ impl PatchMesh {
             report,
             exposure: Vec::new(),
             exposed_area: Vec::new(),
+            hard_edges: HashSet::new(),
+            cuts: CutCounts::default(),
             visibility: Arc::new(Visibility::new(scene.clone(), faces.clone())),
             faces,
             scene,
@@ -172,6 +182,7 @@ impl PatchMesh {
         if mesh.grow(sizes, stop).is_none() || mesh.average_materials(stop).is_none() {
             return Err(stopped);
         }
+        mesh.refuse_too_many()?;
         let exposure = exposure::of_elements(&mesh, stop).ok_or(stopped)?;
         mesh.exposed_area = exposure
             .iter()
@@ -198,6 +209,11 @@ impl PatchMesh {
     /// What was left out on the way.
     pub fn report(&self) -> &ImportReport {
         &self.report
+    }
+
+    /// What cut elements beyond their size.
+    pub fn cuts(&self) -> CutCounts {
+        self.cuts
     }
 
     /// The scene's faces in the world.
@@ -244,6 +260,12 @@ impl PatchMesh {
     /// [`Self::faces`] and [vertices](Self::vertices). No node stands for them.
     pub fn obstructions(&self) -> &[(u32, Cell)] {
         &self.obstructions
+    }
+
+    /// Edges along which light may jump, by their vertices, the smaller index first: shadows end there, or another surface
+    /// stands there.
+    pub fn hard_edges(&self) -> &HashSet<(u32, u32)> {
+        &self.hard_edges
     }
 
     /// World positions of the shared vertices.
@@ -327,6 +349,19 @@ impl PatchMesh {
             corners: cell.corners.map(|c| self.vertices[c as usize]),
             count: cell.count,
         }
+    }
+}
+
+impl PatchMesh {
+    fn refuse_too_many(&self) -> Result<(), RadiosityError> {
+        let count = self.elements.len();
+        if count <= MAX_ELEMENTS {
+            return Ok(());
+        }
+        Err(RadiosityError::Option(format!(
+            "cut where faces meet and shadows end, the mesh has {count} elements; at most {MAX_ELEMENTS} fit, so ask for \
+             larger ones or leave the cuts out"
+        )))
     }
 }
 
