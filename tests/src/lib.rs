@@ -2,6 +2,7 @@
 
 pub mod enclosures;
 pub mod gpu;
+pub mod meshes;
 pub mod shapes;
 pub mod shown_light;
 pub mod solutions;

@@ -2,6 +2,7 @@
 
 use crate::solving::{Solved, Stop, percent};
 use hemicube::radiosity::form_factor::FormFactorKind;
+use hemicube::radiosity::patch::constraints::CutCounts;
 use hemicube::radiosity::solution::BANDS;
 use hemicube::radiosity::{AdaptiveOptions, Solution};
 use hemicube::scene::{ImportReport, Scene, Units};
@@ -24,6 +25,7 @@ pub struct Report {
     unrefined_elements: usize,
     patches: usize,
     contrast: Option<Contrast>,
+    cuts: CutCounts,
     solver: String,
     form_factors: String,
     rays_per_hemisphere: u32,
@@ -170,6 +172,7 @@ impl Report {
                 .options
                 .adaptive
                 .map(|adaptive| Contrast::new(adaptive, solution)),
+            cuts: mesh.cuts(),
             solver: provenance.solver.clone(),
             form_factors: provenance.form_factors.clone(),
             rays_per_hemisphere: provenance.rays_per_hemisphere,
@@ -224,7 +227,7 @@ impl Report {
         let _ = write!(
             text,
             "scene     {} ({})
-mesh      {}{}, {}
+mesh      {}{}, {}{}
 solved    {}, {}, seed {}: {}, {}, {:.1} s; {end}
 {}
 energy    {:>14} {:>13} {:>13} {:>13} {:>9}
@@ -234,6 +237,7 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
             counted(self.elements as u64, "element"),
             self.before_refinement(),
             counted_patches(self.patches),
+            cut_along(self.cuts),
             self.solver,
             factors(
                 &self.form_factors,
@@ -271,6 +275,20 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
         }
         text + &self.warnings.text()
     }
+}
+
+/// What elements were cut along, after a semicolon; nothing if none was.
+pub fn cut_along(cuts: CutCounts) -> String {
+    let parts = [(cuts.joints, "joint"), (cuts.shadow_lines, "shadow line")];
+    let told: Vec<String> = parts
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, noun)| counted(count as u64, noun))
+        .collect();
+    if told.is_empty() {
+        return String::new();
+    }
+    format!("; cut along {}", told.join(" and "))
 }
 
 /// The way to the form factors and how fine it was.

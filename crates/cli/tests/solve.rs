@@ -517,3 +517,37 @@ fn elements_are_cut_where_light_varies_and_the_file_keeps_them() {
         assert!(text.contains(word), "'{word}' in {text}");
     }
 }
+
+#[test]
+fn elements_are_cut_as_asked_and_files_remember_how() {
+    let folder = Folder::new();
+    let cuts = |more: &[&str]| {
+        let report =
+            folder.json(&[&small(&["solve", "cornell", "-o", "lit.glb"])[..], more].concat());
+        let number = |what: &str| report["cuts"][what].as_u64().expect("a number");
+        (number("joints"), number("shadow_lines"))
+    };
+    let (joints, lines) = cuts(&[]);
+    assert!(
+        joints == 8 && lines == 0,
+        "the feet of two blocks: {joints} and {lines}"
+    );
+    assert_eq!(cuts(&["--no-joints"]), (0, 0), "nothing is cut");
+    let (joints, lines) = cuts(&["--discontinuities"]);
+    assert!(
+        joints == 8 && lines > 20,
+        "shadows of two blocks: {joints} and {lines}"
+    );
+    let resumed = folder.json(&["solve", "--resume", "lit.glb", "--tolerance", "0.01"]);
+    assert_eq!(
+        resumed["cuts"]["shadow_lines"], lines,
+        "the same mesh is built again"
+    );
+    let text = folder.done(&small(&["solve", "cornell", "--discontinuities"]));
+    assert!(
+        text.contains(&format!("cut along 8 joints and {lines} shadow lines")),
+        "{text}"
+    );
+    let refused = folder.fails(2, &["solve", "--resume", "lit.glb", "--no-joints"]);
+    assert!(refused.contains("--no-joints"), "{refused}");
+}

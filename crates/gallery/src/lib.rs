@@ -11,6 +11,7 @@ mod adaptive;
 mod antialiasing;
 mod bumps;
 mod csg;
+mod discontinuity;
 mod environments;
 mod exhibit;
 mod field;
@@ -38,6 +39,7 @@ const ROOMS: &[&[Exhibit]] = &[
     bumps::EXHIBITS,
     environments::EXHIBITS,
     adaptive::EXHIBITS,
+    discontinuity::EXHIBITS,
 ];
 
 #[cfg(test)]

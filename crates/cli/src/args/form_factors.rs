@@ -146,7 +146,7 @@ impl FactorArgs {
                 .with_elements(ELEMENTS)
                 .with_patches(ELEMENTS),
         };
-        cut.with_clean(CleanOptions::none())
+        cut.with_clean(CleanOptions::none()).with_joints(false)
     }
 
     /// The option that was given for another method than the one in use.

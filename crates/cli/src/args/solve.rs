@@ -89,6 +89,12 @@ pub struct MeshArgs {
     /// Takes the model as it is: no vertices are welded, no faces turned around, none lifted off others in their plane
     #[arg(long, conflicts_with = "weld")]
     pub no_clean: bool,
+    /// Cut elements along the borders of shadows and penumbrae of lamps, points and sun, so that few elements draw them sharp
+    #[arg(long)]
+    pub discontinuities: bool,
+    /// Do not cut elements where other faces cross or stand on them, nor in vertices of other faces on their edges
+    #[arg(long)]
+    pub no_joints: bool,
     /// Way to the form factors; gpu draws hemicubes and gpu-raycast casts rays on a GPU [default: raycast]
     #[arg(long, value_name = "METHOD", value_parser = parse::choice(&FactorWay::ALL, FactorWay::name))]
     pub form_factors: Option<FactorWay>,
@@ -222,6 +228,8 @@ impl MeshArgs {
             Some(count) => Some(count as usize),
             None => (self.element_size.is_none() && keeps_preset).then_some(preset),
         };
+        mesh.joints = !self.no_joints;
+        mesh.discontinuities = self.discontinuities;
         self.override_factors(&mut options);
         options
     }
@@ -283,6 +291,8 @@ impl MeshArgs {
             (self.weld.is_some(), "--weld"),
             (self.turn_to_light, "--turn-to-light"),
             (self.no_clean, "--no-clean"),
+            (self.discontinuities, "--discontinuities"),
+            (self.no_joints, "--no-joints"),
         ])
     }
 

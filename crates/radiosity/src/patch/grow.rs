@@ -8,7 +8,7 @@ use crate::stop::Stop;
 use glam::Vec3;
 
 impl PatchMesh {
-    /// Makes clusters, surfaces and everything below; none if it was stopped.
+    /// Makes clusters, surfaces and everything below, and lists the cuts; none if it was stopped.
     pub(super) fn grow(&mut self, sizes: Sizes, stop: Stop<'_>) -> Option<()> {
         let mut vertices = Vertices::default();
         let mut first = 0;
@@ -22,7 +22,12 @@ impl PatchMesh {
             self.grow_cluster(instance, first..end, sizes, &mut vertices, stop)?;
             first = end;
         }
+        if self.options.joints || self.options.discontinuities {
+            let lines = self.lines(sizes, stop)?;
+            self.cut_cells(&lines, &mut vertices, stop)?;
+        }
         self.vertices = vertices.positions;
+        self.list_cuts(sizes);
         Some(())
     }
 
@@ -52,6 +57,7 @@ impl PatchMesh {
                 corners: [0; 4],
                 count: 0,
             },
+            is_cut: false,
             area: 0.0,
             centroid: Vec3::ZERO,
             normal: Vec3::ZERO,
@@ -123,6 +129,7 @@ impl PatchMesh {
             child_count: 0,
             kind,
             cell,
+            is_cut: false,
             area: 0.5 * doubled.dot(normal).max(0.0),
             centroid: polygon.iter().sum::<Vec3>() / f32::from(cell.count),
             normal,
@@ -135,24 +142,44 @@ impl PatchMesh {
         self.nodes[id.index()].kind
     }
 
-    /// Halves a surface down to the elements, noting where the cut of patches passes.
+    /// Halves a surface until no edge is too long.
     fn subdivide_surface(&mut self, surface: NodeId, sizes: Sizes, vertices: &mut Vertices) {
-        let NodeKind::Surface { face, .. } = self.node_kind(surface) else {
-            unreachable!("a surface")
-        };
-        let patch_size = sizes.patch_size(&self.scene, &self.faces[face as usize]);
-        // Depth first, so that the elements below one patch are consecutive.
-        let mut stack = vec![(surface, 0, None)];
-        while let Some((id, depth, patch)) = stack.pop() {
-            let cell = self.nodes[id.index()].cell;
+        let mut stack = vec![(surface, 0)];
+        while let Some((id, depth)) = stack.pop() {
+            let node = &self.nodes[id.index()];
+            let (cell, kind) = (node.cell, node.kind);
             let cells = split(cell, sizes.element, depth, vertices);
-            let polygon: Vec<Vec3> = cell
-                .corners()
-                .iter()
-                .map(|&c| vertices.positions[c as usize])
-                .collect();
-            let starts_patch =
-                patch.is_none() && (cells.is_empty() || !any_edge_longer(&polygon, patch_size));
+            if cells.is_empty() {
+                continue;
+            }
+            let first_child = id32(self.nodes.len());
+            for &child in &cells {
+                let child = self.push_cell(id, kind, child, vertices);
+                stack.push((child, depth + 1));
+            }
+            self.nodes[id.index()].first_child = first_child;
+            self.nodes[id.index()].child_count = id32(cells.len());
+        }
+    }
+
+    /// Lists the two cuts through the forest.
+    pub(super) fn list_cuts(&mut self, sizes: Sizes) {
+        for face in 0..self.faces.len() {
+            let patch_size = sizes.patch_size(&self.scene, &self.faces[face]);
+            for root in self.roots[face].into_iter().flatten() {
+                self.list_cuts_of(root, patch_size);
+            }
+        }
+    }
+
+    fn list_cuts_of(&mut self, surface: NodeId, patch_size: f32) {
+        // Depth first, so that the elements below one patch are consecutive.
+        let mut stack = vec![(surface, None)];
+        while let Some((id, patch)) = stack.pop() {
+            let node = &self.nodes[id.index()];
+            let (is_element, is_whole) = (node.child_count == 0, node.is_cut);
+            let starts_patch = patch.is_none()
+                && (is_element || is_whole || !any_edge_longer(&self.polygon(id), patch_size));
             let patch = if starts_patch {
                 self.patches.push(id);
                 let start = id32(self.elements.len());
@@ -161,21 +188,13 @@ impl PatchMesh {
             } else {
                 patch
             };
-            if cells.is_empty() {
+            if is_element {
                 let patch = patch.expect("an element lies below a patch");
                 self.elements.push(id);
                 self.patch_of_element.push(patch);
                 self.elements_of_patch[patch as usize].end = id32(self.elements.len());
-                continue;
             }
-            let first_child = id32(self.nodes.len());
-            let kind = self.node_kind(id);
-            for &child in &cells {
-                let child = self.push_cell(id, kind, child, vertices);
-                stack.push((child, depth + 1, patch));
-            }
-            self.nodes[id.index()].first_child = first_child;
-            self.nodes[id.index()].child_count = id32(cells.len());
+            stack.extend(self.children(id).map(|child| (child, patch)));
         }
     }
 }

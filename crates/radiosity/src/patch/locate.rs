@@ -2,8 +2,8 @@
 //!
 //! [`split`](super::subdivide::split) cuts cells along lines between the vertices of its first cells, so one to three of
 //! them decide between the parts. They are kept apart from the nodes, a cache line for each cut, since a ray that arrives
-//! at a wall of thousands of patches reads one for every level. Fans around a centre, which are rare, are compared child
-//! by child.
+//! at a wall of thousands of patches reads one for every level. Fans around a centre and cells that were cut along lines,
+//! which are rare, are compared child by child.
 
 use super::face::Side;
 use super::{NONE, NodeId, PatchMesh};
@@ -36,7 +36,7 @@ enum Kind {
     Chain,
     /// Two lines that cross.
     Cross,
-    /// No lines: a fan, of the node that stands in place of the first part.
+    /// No lines: a fan, of the node that stands in place of the first part. The second part is where its ways begin.
     Fan,
 }
 
@@ -49,8 +49,8 @@ pub(super) struct Locator {
     roots: Vec<[Way; 2]>,
     /// From each patch to its elements.
     patches: Vec<Way>,
-    /// Cuts of the children of fans.
-    fans: std::collections::HashMap<u32, Way>,
+    /// Cuts of the children of fans, each fan's in their order.
+    fans: Vec<Way>,
 }
 
 impl Cut {
@@ -99,7 +99,11 @@ impl Locator {
         if element != NONE {
             return Way(ELEMENT | element);
         }
-        let (kind, lines) = lines_of(mesh, id);
+        let (kind, lines) = if mesh.node(id).is_cut {
+            (Kind::Fan, [Vec4::ZERO; 3])
+        } else {
+            lines_of(mesh, id)
+        };
         let index = self.cuts.len();
         self.cuts.push(Cut {
             lines,
@@ -107,11 +111,13 @@ impl Locator {
         });
         self.kinds.push(kind);
         if kind == Kind::Fan {
-            for child in mesh.children(id) {
-                let way = self.way_to(mesh, child);
-                self.fans.insert(child.0, way);
-            }
-            self.cuts[index].parts[0] = Way(id.0);
+            let ways: Vec<Way> = mesh
+                .children(id)
+                .map(|child| self.way_to(mesh, child))
+                .collect();
+            let start = crate::index32(self.fans.len());
+            self.fans.extend(ways);
+            self.cuts[index].parts = [Way(id.0), Way(start), NOWHERE, NOWHERE];
         } else {
             for (i, child) in mesh.children(id).enumerate() {
                 let way = self.way_to(mesh, child);
@@ -138,7 +144,7 @@ impl Locator {
                     let (cut, kind) = (&self.cuts[index], self.kinds[index]);
                     if kind == Kind::Fan {
                         let child = mesh.deepest_child(NodeId(cut.parts[0].0), point);
-                        self.fans[&child.0]
+                        self.fans[cut.parts[1].0 as usize + child]
                     } else {
                         cut.parts[cut.part(kind, homogeneous)]
                     }
@@ -206,10 +212,12 @@ impl PatchMesh {
         self.locator.walk(self, root, PATCH, point)
     }
 
-    fn deepest_child(&self, id: NodeId, point: Vec3) -> NodeId {
+    /// Which of a node's children a point lies deepest in.
+    fn deepest_child(&self, id: NodeId, point: Vec3) -> usize {
         let depths = self
             .children(id)
-            .map(|child| (child, self.depth_inside(child, point)));
+            .map(|child| self.depth_inside(child, point))
+            .enumerate();
         let (child, _) = depths
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .expect("a node above a cut has children");

@@ -6,6 +6,8 @@
 
 mod box_tree;
 pub mod clean;
+pub mod constraints;
+pub mod discontinuities;
 pub mod edit;
 pub mod exposure;
 pub mod face;
@@ -23,6 +25,7 @@ pub use red_green::Refinement;
 pub use refine::RefinementPlan;
 
 use crate::error::RadiosityError;
+use crate::patch::constraints::CutCounts;
 use crate::patch::exposure::{ExposedArea, ExposedPoints};
 use crate::patch::face::{Side, WorldFace, world_faces};
 use crate::patch::locate::Locator;
@@ -65,6 +68,8 @@ pub struct Node {
     pub kind: NodeKind,
     /// Its vertices, counter-clockwise seen from the side that receives; empty for clusters.
     cell: Cell,
+    /// Whether the nodes below it come from lines that cross it instead of halving.
+    is_cut: bool,
     /// Area in square scene units; of clusters the sum over their surfaces.
     pub area: f32,
     /// Mean of the vertices.
@@ -119,6 +124,7 @@ pub struct PatchMesh {
     /// What it was before any refinement, if there was one.
     base: Option<Arc<Base>>,
     refinement: Refinement,
+    cuts: CutCounts,
     report: ImportReport,
 }
 
@@ -181,13 +187,17 @@ impl PatchMesh {
             hard_edges: HashSet::new(),
             base: None,
             refinement: Refinement::default(),
+            cuts: CutCounts::default(),
             visibility: Arc::new(Visibility::new(scene.clone(), faces.clone())),
             faces,
             scene,
         };
-        if mesh.grow(sizes, stop).is_none() || mesh.finish(stop).is_none() {
-            return Err(RadiosityError::Stopped("while the mesh was built"));
+        let stopped = RadiosityError::Stopped("while the mesh was built");
+        if mesh.grow(sizes, stop).is_none() {
+            return Err(stopped);
         }
+        mesh.refuse_too_many()?;
+        mesh.finish(stop).ok_or(stopped)?;
         Ok(mesh)
     }
 
@@ -220,6 +230,11 @@ impl PatchMesh {
     /// What was left out on the way.
     pub fn report(&self) -> &ImportReport {
         &self.report
+    }
+
+    /// What cut elements beyond their size.
+    pub fn cuts(&self) -> CutCounts {
+        self.cuts
     }
 
     /// The scene's faces in the world.
@@ -369,6 +384,19 @@ impl PatchMesh {
             corners: cell.corners.map(|c| self.vertices[c as usize]),
             count: cell.count,
         }
+    }
+}
+
+impl PatchMesh {
+    fn refuse_too_many(&self) -> Result<(), RadiosityError> {
+        let count = self.elements.len();
+        if count <= MAX_ELEMENTS {
+            return Ok(());
+        }
+        Err(RadiosityError::Option(format!(
+            "cut where faces meet and shadows end, the mesh has {count} elements; at most {MAX_ELEMENTS} fit, so ask for \
+             larger ones or leave the cuts out"
+        )))
     }
 }
 

@@ -9,7 +9,10 @@ use serde::{Deserialize, Serialize};
 const LONGER_THAN_ANY_EDGE: f32 = 1e10;
 
 /// How fine the mesh is. Sizes are edge lengths in scene units; counts choose the size that stays just below them.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+///
+/// Cells of that size are what joints and discontinuities cut: elements that this adds come on top of the counts, and
+/// edges inside a cut cell may be as long as its diagonal.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PatchOptions {
     /// Longest edge of a patch. Default value: three element sizes.
     pub patch_size: Option<f32>,
@@ -20,10 +23,28 @@ pub struct PatchOptions {
     /// Number of elements to aim at if there is no `element_size`, beyond one for each lit side of a face.
     /// Default value: 4000.
     pub elements: Option<usize>,
-    /// How the model is mended first. Default value: all that is sure to be a fault; files that do not say were solved
-    /// without.
-    #[serde(default = "CleanOptions::none")]
+    /// How the model is mended first. Default value: all that is sure to be a fault.
     pub clean: CleanOptions,
+    /// Whether elements are cut where other faces meet them and in vertices of other faces that lie in their edges, see
+    /// [`constraints`](crate::patch::constraints). Default value: yes.
+    pub joints: bool,
+    /// Whether elements are cut along the borders of shadows and penumbrae, see
+    /// [`discontinuities`](crate::patch::discontinuities). Default value: no.
+    pub discontinuities: bool,
+}
+
+impl Default for PatchOptions {
+    fn default() -> Self {
+        Self {
+            patch_size: None,
+            element_size: None,
+            patches: None,
+            elements: None,
+            clean: CleanOptions::default(),
+            joints: true,
+            discontinuities: false,
+        }
+    }
 }
 
 impl PatchOptions {
@@ -56,6 +77,20 @@ impl PatchOptions {
         Self::default()
             .with_element_size(LONGER_THAN_ANY_EDGE)
             .with_clean(CleanOptions::none())
+            .with_joints(false)
+    }
+
+    /// Whether elements are cut where other faces meet them.
+    pub fn with_joints(self, joints: bool) -> Self {
+        Self { joints, ..self }
+    }
+
+    /// Whether elements are cut along the borders of shadows.
+    pub fn with_discontinuities(self, discontinuities: bool) -> Self {
+        Self {
+            discontinuities,
+            ..self
+        }
     }
 
     /// Patches with edges of at most this length.

@@ -85,6 +85,30 @@ impl Vertices {
         })
     }
 
+    /// The parts into which an edge was halved, from one of its ends to the other.
+    pub fn pieces(&self, a: u32, b: u32) -> Vec<(u32, u32)> {
+        let mut stack = vec![(a, b)];
+        let mut pieces = Vec::new();
+        while let Some((a, b)) = stack.pop() {
+            match self.middles.get(&(a.min(b), a.max(b))) {
+                Some(&middle) => stack.extend([(middle, b), (a, middle)]),
+                None => pieces.push((a, b)),
+            }
+        }
+        pieces
+    }
+
+    /// A new vertex at a share of the way from one vertex to another.
+    pub fn between(&mut self, a: u32, b: u32, t: f64) -> u32 {
+        let [from, to] = [a, b].map(|v| self.positions[v as usize].as_dvec3());
+        push(&mut self.positions, from.lerp(to, t).as_vec3())
+    }
+
+    /// A new vertex.
+    pub fn push(&mut self, position: Vec3) -> u32 {
+        push(&mut self.positions, position)
+    }
+
     /// A new vertex in the centre of a cell.
     pub(super) fn centre(&mut self, cell: Cell) -> u32 {
         let sum: Vec3 = cell

@@ -46,7 +46,7 @@ impl FactorsBy {
     }
 }
 
-/// Sizes or numbers of patches and elements, as [`PatchOptions`] has them.
+/// Sizes or numbers of patches and elements, and what cuts these, as [`PatchOptions`] has them.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MeshSizes {
@@ -58,6 +58,10 @@ pub struct MeshSizes {
     pub patches: Option<usize>,
     /// Elements to aim at. Default value: none.
     pub elements: Option<usize>,
+    /// Whether elements stay whole where faces meet. Default value: no, they are cut.
+    pub no_joints: bool,
+    /// Whether elements are cut along the borders of shadows. Default value: no.
+    pub discontinuities: bool,
 }
 
 impl From<PatchOptions> for MeshSizes {
@@ -67,6 +71,8 @@ impl From<PatchOptions> for MeshSizes {
             element_size: options.element_size,
             patches: options.patches,
             elements: options.elements,
+            no_joints: !options.joints,
+            discontinuities: options.discontinuities,
         }
     }
 }
@@ -78,6 +84,8 @@ impl From<MeshSizes> for PatchOptions {
             element_size: sizes.element_size,
             patches: sizes.patches,
             elements: sizes.elements,
+            joints: !sizes.no_joints,
+            discontinuities: sizes.discontinuities,
             ..Self::default()
         }
     }

@@ -3,10 +3,11 @@
 use super::device;
 use super::probe::Probe;
 use crate::failure::one_line;
-use crate::report::{Warnings, counted, counted_patches, factors, grouped};
+use crate::report::{Warnings, counted, counted_patches, cut_along, factors, grouped};
 use crate::solving::percent;
 use glam::Vec3;
 use hemicube::radiosity::patch::NodeKind;
+use hemicube::radiosity::patch::constraints::CutCounts;
 use hemicube::radiosity::solution::Provenance;
 use hemicube::radiosity::{PatchMesh, Solution};
 use hemicube::raster::Rgb;
@@ -66,6 +67,7 @@ struct LightFacts {
 struct MeshFacts {
     elements: usize,
     patches: usize,
+    cuts: CutCounts,
     area: f64,
     buried_share: f64,
     escaped_share: f64,
@@ -114,6 +116,7 @@ impl Facts {
         self.mesh = Some(MeshFacts {
             elements: mesh.elements().len(),
             patches: mesh.patches().len(),
+            cuts: mesh.cuts(),
             area: probe.area,
             buried_share: probe.buried / probe.area,
             escaped_share: probe.surfaces.share(probe.surfaces.escaped),
@@ -192,9 +195,10 @@ impl Facts {
         };
         let _ = writeln!(
             text,
-            "mesh      {}, {}{whose}; lit area {}",
+            "mesh      {}, {}{}{whose}; lit area {}",
             counted(mesh.elements as u64, "element"),
             counted_patches(mesh.patches),
+            cut_along(mesh.cuts),
             short(mesh.area),
         );
         let _ = writeln!(
