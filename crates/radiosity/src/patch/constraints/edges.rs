@@ -74,7 +74,7 @@ impl EdgePoints {
         let edge = edge(a, b);
         let mut others = self.points.get(&edge).into_iter().flatten();
         let is_taken =
-            t < SNAP || t > 1.0 - SNAP || others.any(|(other, _)| (t - other).abs() < SNAP);
+            !(SNAP..=1.0 - SNAP).contains(&t) || others.any(|(other, _)| (t - other).abs() < SNAP);
         if is_taken {
             return;
         }
