@@ -6,8 +6,9 @@
 //! 2. *Spreading*: each step shoots all that is unshot, by as many rays as it is worth, until little is left. Where no
 //!    ray is lost, from whatever surface, a constant radiosity needs no rays, as what leaves at it arrives at it: it is
 //!    subtracted from what is shot and added to what arrives (a control variate).
-//! 3. *Refining* what makes most of the noise, where it is: by more shadow rays, or by rays that gather reflected light
-//!    at uncertain receivers. All estimates of a receiver are averaged, so that every ray counts.
+//! 3. *Gathering* reflected light at every receiver, that of the brightest surfaces by shadow rays of their own.
+//! 4. *Refining* what makes most of the noise, by as many rays for each place as its error asks for. What shots brought
+//!    is no longer needed then, all later estimates of a place are averaged.
 //!
 //! Interreflected light is counted on elements, or on patches where there are more than 50,000 elements. Rays follow
 //! low-discrepancy sequences. How their parts differ tells the standard error of every element; [`Stochastic::noise`] sums
@@ -54,8 +55,8 @@ use std::time::{Duration, Instant};
 /// How the rays are spent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StochasticOptions {
-    /// Rays by which a receiver gathers reflected light in a round; for spreading it a quarter as many are shot for each
-    /// receiver, on average. Default value: 256.
+    /// Rays by which each receiver gathers reflected light at first, rounded up to a power of two; those that are uncertain
+    /// get more. For spreading it a quarter as many are shot for each receiver, on average. Default value: 256.
     pub rays: u32,
     /// Finished at this noise ([`Stochastic::noise`]). Default value: 0.03.
     pub noise: f64,
@@ -213,7 +214,10 @@ impl Stochastic {
     }
 
     /// Relative standard error of the irradiance, root mean square over the elements that receive more than a hundredth
-    /// of the mean; infinite as long as nothing is known. The error of light that was there before is not in it.
+    /// of the mean; infinite as long as nothing is known. The error of light that was there before is not in it, nor that
+    /// of the radiosity that is gathered. Measured by runs of other seeds it is right within a half in rooms like `cornell`;
+    /// in the `theatre`, where few rays find the few lamps that shine on what is dark, 6.6 % are stated where 9.0 % are
+    /// true, and a hundredth of the elements holds half of the squares.
     pub fn noise(&self) -> f64 {
         self.noise
     }

@@ -1,4 +1,6 @@
 //! How uncertain the light is.
+//!
+//! What rays say of their own errors does not hold the error of the radiosity that they gather, which all receivers share.
 
 use super::Stochastic;
 use super::allocation::allocate;
