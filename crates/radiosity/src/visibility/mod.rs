@@ -209,6 +209,20 @@ impl Visibility {
         if clear { through } else { Rgb::BLACK }
     }
 
+    /// [`Self::transmittance`] of many segments.
+    pub fn transmittances(&self, segments: &[(Vec3, Vec3)], through: &mut Vec<Rgb>) {
+        through.clear();
+        if self.transmits.is_empty() {
+            let mut clear = vec![false; segments.len()];
+            self.clear_segments(segments, &mut clear);
+            let share = |is_clear| if is_clear { Rgb::WHITE } else { Rgb::BLACK };
+            through.extend(clear.into_iter().map(share));
+        } else {
+            let pairs = segments.iter();
+            through.extend(pairs.map(|&(from, to)| self.transmittance(from, to)));
+        }
+    }
+
     /// Share of light that passes straight through a face at a point.
     pub fn transmittance_at(&self, face: usize, point: Vec3) -> Rgb {
         if self.transmits.get(face) != Some(&true) {

@@ -10,56 +10,84 @@ use rayon::prelude::*;
 /// Most patches of a cell.
 const PATCHES: usize = 16;
 
-/// Rays to a part of a cut, and those that brought light.
+/// Rays of a cell for which its share counts in that of a patch.
+const TRUST: f32 = 2.0;
+
+/// Rays to a part of a cut, and those that brought light. Halved where they would not fit.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Found {
+    rays: u8,
+    lit: u8,
+}
+
+/// Of all patches of a cell.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Tries {
-    pub(super) rays: u32,
-    pub(super) lit: u32,
+struct Tries {
+    rays: u32,
+    lit: u32,
 }
 
 /// A group of patches.
 pub(super) struct Cell {
     pub(super) patches: Vec<u32>,
+    /// What holds them.
+    pub(super) around: Place,
     pub(super) cut: Vec<Part>,
-    /// Of all its patches, for each part of the cut; empty as long as nothing is known.
-    pub(super) tries: Vec<Tries>,
+    /// What rays found, for each patch the parts of the cut; empty as long as nothing is known.
+    pub(super) found: Vec<Found>,
+    tries: Vec<Tries>,
 }
 
-/// All groups.
-pub(super) struct Cells {
-    pub(super) cells: Vec<Cell>,
-    /// Of each patch.
-    of_patch: Vec<u32>,
-}
-
-impl Cells {
-    /// Groups of patches by where they are; none if there are no lamps.
-    pub(super) fn new(places: &[Place], lights: &Lights, near: f32) -> Self {
-        let groups = groups(places);
-        let mut of_patch = vec![0; places.len()];
-        for (cell, patches) in groups.iter().enumerate() {
-            for &patch in patches {
-                of_patch[patch as usize] = crate::index32(cell);
-            }
-        }
-        let cells = groups.into_par_iter().map(|patches| {
-            let around = Place::around(patches.iter().map(|&patch| &places[patch as usize]));
-            Cell {
-                cut: lights.cut(&around, near),
-                patches,
-                tries: Vec::new(),
-            }
-        });
+impl Cell {
+    fn new(patches: Vec<u32>, places: &[Place], lights: &Lights, near: f32) -> Self {
+        let around = Place::around(patches.iter().map(|&patch| &places[patch as usize]));
         Self {
-            cells: cells.collect(),
-            of_patch,
+            cut: lights.cut(&around, near),
+            around,
+            patches,
+            found: Vec::new(),
+            tries: Vec::new(),
         }
     }
 
-    /// The cell of a patch.
-    pub(super) fn of(&self, patch: usize) -> &Cell {
-        &self.cells[self.of_patch[patch] as usize]
+    /// Sums up what its patches have found.
+    pub(super) fn sum_up(&mut self) {
+        self.tries = vec![Tries::default(); self.cut.len()];
+        for of_patch in self.found.chunks_exact(self.cut.len().max(1)) {
+            for (sum, found) in self.tries.iter_mut().zip(of_patch) {
+                sum.rays += u32::from(found.rays);
+                sum.lit += u32::from(found.lit);
+            }
+        }
     }
+
+    /// Share of the rays to a part that bring light, for a patch that has found something: that of the cell as long as it
+    /// knows little, and between none and all as long as the cell does.
+    pub(super) fn share(&self, part: usize, found: Found) -> f32 {
+        let tries = self.tries.get(part).copied().unwrap_or_default();
+        let of_cell = (tries.lit as f32 + 0.25) / (tries.rays as f32 + 0.5);
+        (f32::from(found.lit) + TRUST * of_cell) / (f32::from(found.rays) + TRUST)
+    }
+}
+
+impl Found {
+    /// Counts a ray.
+    pub(super) fn count(&mut self, is_lit: bool) {
+        if self.rays == u8::MAX {
+            self.rays /= 2;
+            self.lit /= 2;
+        }
+        self.rays += 1;
+        self.lit += u8::from(is_lit);
+    }
+}
+
+/// Groups of patches by where they are; none if there are no lamps.
+pub(super) fn cells(places: &[Place], lights: &Lights, near: f32) -> Vec<Cell> {
+    let groups = groups(places).into_par_iter();
+    groups
+        .map(|patches| Cell::new(patches, places, lights, near))
+        .collect()
 }
 
 /// Patches that face the same of six ways, in the order of a space-filling curve, cut to pieces.
@@ -115,10 +143,10 @@ mod tests {
             )
         };
         let places: Vec<Place> = (0..1600).map(place).collect();
-        let cells = Cells::new(&places, &Lights::new(&[]), 2.0);
+        let cells = cells(&places, &Lights::new(&[]), 2.0);
         let mut seen = vec![0; places.len()];
         let mut distances = 0.0;
-        for cell in &cells.cells {
+        for cell in &cells {
             assert!(cell.patches.len() <= PATCHES, "{}", cell.patches.len());
             for &patch in &cell.patches {
                 let (first, place) = (&places[cell.patches[0] as usize], &places[patch as usize]);

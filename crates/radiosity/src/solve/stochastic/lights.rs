@@ -1,8 +1,8 @@
 //! A tree over the emitters (Walter and others 2005; Conty Estevez and Kulla 2018): many lights at the cost of few.
 //!
 //! A node knows where its emitters are, in which directions they shine and how much, so it bounds what they bring to a
-//! place. A receiver gets a *cut*: nodes that hold all emitters, split where they bring much and appear large. A ray that has chosen a
-//! node of the cut goes down to one emitter by the bounds of the children at its own end.
+//! place. A group of receivers gets a *cut*: nodes that hold all emitters, split where they bring much and appear large. A
+//! ray that has chosen a node of the cut finds one of its emitters in a [table](Table) of what each brings to the group.
 
 use glam::Vec3;
 use std::collections::BinaryHeap;
@@ -32,6 +32,7 @@ pub(super) struct Place {
 
 impl Place {
     /// A point.
+    #[cfg(test)]
     pub(super) fn point(centroid: Vec3, normal: Vec3) -> Self {
         Self::disc(centroid, normal, 0.0)
     }
@@ -80,6 +81,10 @@ fn cone(vectors: impl Iterator<Item = (Vec3, f32)> + Clone) -> (Vec3, [f32; 2]) 
 pub(super) struct Lights {
     /// Children follow each other; the root is the last.
     nodes: Vec<Node>,
+    /// The lamps, those of a node side by side.
+    order: Vec<u32>,
+    /// Each lamp as a node.
+    lamps: Vec<Node>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -92,6 +97,9 @@ struct Node {
     flux: f32,
     /// Largest radius of a lamp.
     lamp_radius: f32,
+    /// Position of its first lamp in the order, and how many it has.
+    first: u32,
+    count: u32,
     below: Below,
 }
 
@@ -111,14 +119,19 @@ impl Lights {
         let mut order: Vec<u32> = (0..crate::index32(lamps.len())).collect();
         let mut nodes = Vec::new();
         if !lamps.is_empty() {
-            let root = build(lamps, &mut order, &mut nodes);
+            let root = build(lamps, (&mut order, 0), &mut nodes);
             nodes.push(root);
         }
-        Self { nodes }
+        let alone = (0..).zip(lamps).map(|(i, lamp)| Node::of_lamp(i, lamp, i));
+        Self {
+            nodes,
+            order,
+            lamps: alone.collect(),
+        }
     }
 
-    /// Nodes that hold all lamps that may light a place. Lamps nearer than `near` times both radii are in nodes of their
-    /// own.
+    /// Nodes that hold all lamps that may light a place, neighbours side by side. Lamps nearer than `near` times both
+    /// radii are in nodes of their own.
     pub(super) fn cut(&self, place: &Place, near: f32) -> Vec<Part> {
         let mut cut = Vec::new();
         // Positive numbers: their bits are in their order.
@@ -144,6 +157,7 @@ impl Lights {
                 _ => cut.push(Part(index)),
             }
         }
+        cut.sort_unstable_by_key(|part| self.nodes[part.0 as usize].first);
         cut
     }
 
@@ -175,37 +189,54 @@ impl Lights {
         }
     }
 
-    /// A lamp below a part of a cut, by what lamps bring to a place, for a number in [0, 1), with its probability and
-    /// what is left of the number. None if none brings anything.
-    pub(super) fn choose(
-        &self,
-        part: Part,
-        place: &Place,
-        mut sample: f32,
-    ) -> Option<(usize, f32, f32)> {
-        let mut node = &self.nodes[part.0 as usize];
-        let mut probability = 1.0;
-        loop {
-            let first = match node.below {
-                Below::Lamp(lamp) => return Some((lamp as usize, probability, sample)),
-                Below::Nodes(first) => first as usize,
-            };
-            let children = [&self.nodes[first], &self.nodes[first + 1]];
-            let [a, b] = children.map(|child| child.bound(place));
-            if a + b <= 0.0 {
-                return None;
-            }
-            let share = a / (a + b);
-            if sample < share {
-                (node, probability) = (children[0], probability * share);
-                sample /= share;
-            } else {
-                (node, probability) = (children[1], probability * (1.0 - share));
-                sample = (sample - share) / (1.0 - share);
-            }
-            sample = sample.clamp(0.0, 0.999_999_94);
+    /// What the lamps of a part bring to a place.
+    pub(super) fn table(&self, part: Part, place: &Place) -> Table {
+        let node = &self.nodes[part.0 as usize];
+        let range = node.first as usize..(node.first + node.count) as usize;
+        let mut sum = 0.0;
+        let sums = |&lamp: &u32| {
+            sum += self.lamps[lamp as usize].bound(place);
+            sum
+        };
+        let lamps = self.order[range].to_vec();
+        Table {
+            sums: lamps.iter().map(sums).collect(),
+            lamps,
         }
     }
+}
+
+/// Lamps to choose from by what each brings to a place at most, about.
+pub(super) struct Table {
+    lamps: Vec<u32>,
+    /// Running sums.
+    sums: Vec<f32>,
+}
+
+impl Table {
+    /// All that they bring.
+    pub(super) fn total(&self) -> f32 {
+        self.sums.last().copied().unwrap_or(0.0)
+    }
+
+    /// A lamp for a number in [0, 1), with its probability. There must be one that brings something.
+    pub(super) fn choose(&self, sample: f32) -> (usize, f32) {
+        let (index, probability, _) = choose(&self.sums, sample);
+        (self.lamps[index] as usize, probability)
+    }
+}
+
+/// Position in running sums for a number in [0, 1), its probability, and what is left of the number.
+pub(super) fn choose(sums: &[f32], sample: f32) -> (usize, f32, f32) {
+    let total = sums[sums.len() - 1];
+    let wanted = sample * total;
+    // Rounding may lead to the total; what was added last is meant, not what added nothing after it.
+    let end = sums.partition_point(|&sum| sum < total);
+    let index = sums.partition_point(|&sum| sum <= wanted).min(end);
+    let start = if index == 0 { 0.0 } else { sums[index - 1] };
+    let share = sums[index] - start;
+    let rest = ((wanted - start) / share).clamp(0.0, 0.999_999_94);
+    (index, share / total, rest)
 }
 
 impl Node {
@@ -245,8 +276,10 @@ impl Node {
         self.centre.distance_squared(place.centroid) < reach * reach
     }
 
-    fn of_lamp(index: u32, lamp: &Lamp) -> Self {
+    fn of_lamp(index: u32, lamp: &Lamp, first: u32) -> Self {
         Self {
+            first,
+            count: 1,
             centre: lamp.centroid,
             radius: lamp.radius,
             axis: lamp.normal,
@@ -257,7 +290,8 @@ impl Node {
         }
     }
 
-    fn over(lamps: &[Lamp], members: &[u32], first: u32) -> Self {
+    fn over(lamps: &[Lamp], (members, first): (&[u32], u32), children: u32) -> Self {
+        let count = crate::index32(members.len());
         let members = || members.iter().map(|&i: &u32| &lamps[i as usize]);
         let nothing = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let (low, high) = members().fold(nothing, |(low, high), lamp| {
@@ -273,15 +307,17 @@ impl Node {
             spread,
             flux: members().map(|lamp| lamp.flux).sum(),
             lamp_radius: members().map(|lamp| lamp.radius).fold(0.0, f32::max),
-            below: Below::Nodes(first),
+            first,
+            count,
+            below: Below::Nodes(children),
         }
     }
 }
 
-/// Builds what is below a node, and the node.
-fn build(lamps: &[Lamp], members: &mut [u32], nodes: &mut Vec<Node>) -> Node {
+/// Builds what is below a node, and the node. Its members are a part of the order that begins at a position.
+fn build(lamps: &[Lamp], (members, at): (&mut [u32], u32), nodes: &mut Vec<Node>) -> Node {
     if let [lamp] = *members {
-        return Node::of_lamp(lamp, &lamps[lamp as usize]);
+        return Node::of_lamp(lamp, &lamps[lamp as usize], at);
     }
     let centroids = || members.iter().map(|&i| lamps[i as usize].centroid);
     let low = centroids().fold(Vec3::INFINITY, Vec3::min);
@@ -292,10 +328,14 @@ fn build(lamps: &[Lamp], members: &mut [u32], nodes: &mut Vec<Node>) -> Node {
         along(a).total_cmp(&along(b)).then(a.cmp(&b))
     });
     let (left, right) = members.split_at_mut(members.len() / 2);
-    let children = [build(lamps, left, nodes), build(lamps, right, nodes)];
+    let middle = at + crate::index32(left.len());
+    let children = [
+        build(lamps, (left, at), nodes),
+        build(lamps, (right, middle), nodes),
+    ];
     let first = crate::index32(nodes.len());
     nodes.extend(children);
-    Node::over(lamps, members, first)
+    Node::over(lamps, (members, at), first)
 }
 
 /// Cosine of what an angle is at least, if it may be less by another one that is given by cosine and sine.
@@ -346,13 +386,15 @@ mod tests {
             let mut told = vec![0.0_f64; lamps.len()];
             const SAMPLES: u16 = 20_000;
             for &part in &cut {
+                let table = tree.table(part, &place);
+                if table.total() <= 0.0 {
+                    continue;
+                }
                 for sample in 0..SAMPLES {
                     let sample = (f32::from(sample) + 0.5) / f32::from(SAMPLES);
-                    if let Some((lamp, probability, rest)) = tree.choose(part, &place, sample) {
-                        assert!((0.0..1.0).contains(&rest), "{rest} is left");
-                        found[lamp] += 1.0 / f64::from(SAMPLES);
-                        told[lamp] = f64::from(probability);
-                    }
+                    let (lamp, probability) = table.choose(sample);
+                    found[lamp] += 1.0 / f64::from(SAMPLES);
+                    told[lamp] = f64::from(probability);
                 }
             }
             for (lamp, (found, told)) in found.iter().zip(&told).enumerate() {
@@ -384,10 +426,9 @@ mod tests {
                 assert!(found.contains(&lamp), "{lamp} is near");
             }
             for part in tree.cut(&place, 2.0) {
-                for sample in 0..50_u8 {
-                    let chosen = tree.choose(part, &place, f32::from(sample) / 50.0);
-                    let is_alone =
-                        chosen.is_none_or(|(lamp, ..)| !is_near(lamp)) || tree.lamp(part).is_some();
+                let table = tree.table(part, &place);
+                for &lamp in &table.lamps {
+                    let is_alone = !is_near(lamp as usize) || tree.lamp(part).is_some();
                     assert!(is_alone, "a near lamp is among others");
                 }
             }

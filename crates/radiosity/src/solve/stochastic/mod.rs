@@ -6,32 +6,39 @@
 //! 2. *Spreading*: each step shoots all that is unshot, by as many rays as it is worth, until little is left. Where no
 //!    ray is lost, from whatever surface, a constant radiosity needs no rays, as what leaves at it arrives at it: it is
 //!    subtracted from what is shot and added to what arrives (a control variate).
-//! 3. *Refining* what makes most of the noise, where it is: by more shadow rays, or by rays that gather reflected light
-//!    at uncertain receivers. All estimates of a receiver are averaged, so that every ray counts.
+//! 3. *Gathering* reflected light at every receiver, that of the brightest surfaces by shadow rays of their own.
+//! 4. *Refining* what makes most of the noise, by as many rays for each place as its error asks for. What shots brought
+//!    is no longer needed then, all later estimates of a place are averaged.
 //!
 //! Interreflected light is counted on elements, or on patches where there are more than 50,000 elements. Rays follow
-//! low-discrepancy sequences that go on from step to step. They come in four independent replicates, whose differences
-//! tell the standard error of every element; [`Stochastic::noise`] sums it up.
+//! low-discrepancy sequences. How their parts differ tells the standard error of every element; [`Stochastic::noise`] sums
+//! it up.
 //!
 //! The cost of a step is that of its rays: with so many for each receiver, an error takes work that grows with the
 //! scene as the depth of its hierarchy of boxes does beyond the number of receivers.
 
+mod allocation;
 mod balance;
 mod cells;
 mod direct;
+mod estimates;
 mod gather;
+mod highlights;
 mod interpolate;
 mod light;
 mod lights;
 mod noise;
 mod receivers;
+mod shadow_rays;
 mod shoot;
 mod source;
 mod tally;
 
 use self::balance::Lost;
 use self::direct::Direct;
-use self::gather::Gatherer;
+use self::estimates::LEAST_RAYS;
+use self::gather::Scenery;
+use self::highlights::Highlights;
 use self::interpolate::Interpolation;
 use self::light::{DirectLight, Reflected};
 use self::receivers::Receivers;
@@ -48,8 +55,8 @@ use std::time::{Duration, Instant};
 /// How the rays are spent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StochasticOptions {
-    /// Rays by which a receiver gathers reflected light in a round; for spreading it a quarter as many are shot for each
-    /// receiver, on average. Default value: 256.
+    /// Rays by which each receiver gathers reflected light at first, rounded up to a power of two; those that are uncertain
+    /// get more. For spreading it a quarter as many are shot for each receiver, on average. Default value: 256.
     pub rays: u32,
     /// Finished at this noise ([`Stochastic::noise`]). Default value: 0.03.
     pub noise: f64,
@@ -79,8 +86,11 @@ const MOST_REFINEMENTS: u32 = 4096;
 const ROUNDING: f64 = 1e-6;
 /// Share of the rays by which a receiver gathers that is shot for it while light is spread.
 const SPREADING: f64 = 0.25;
+/// Shadow rays of each element in the first two rounds: the first finds out what is in the way.
+const FIRST_SHADOW_RAYS: u32 = 16;
+const SHADOW_RAYS: u32 = 64;
 /// Least rays that spread all light: they also tell how much is lost.
-const LEAST_RAYS: f64 = (1_u32 << 18) as f64;
+const LEAST_SHOTS: f64 = (1_u32 << 18) as f64;
 
 /// What the next step does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,8 +130,9 @@ pub struct Stochastic {
     receivers: Receivers,
     interpolation: Option<Interpolation>,
     shooter: Shooter,
-    gatherer: Gatherer,
     direct: Direct,
+    /// None before the first gathering.
+    highlights: Option<Highlights>,
     /// Irradiance before the first step, `[channel][element]`: sun, sky and points, or what another solver brought.
     before: Vec<f32>,
     direct_light: DirectLight,
@@ -167,7 +178,6 @@ impl Stochastic {
             vec![0.0; channels * elements]
         };
         let direct = Direct::new(mesh.clone(), exitance, hash(options.seed, 1));
-        let gatherer = Gatherer::new(receivers, options.rays, hash(options.seed, 4));
         let mut shot = outgoing(&solution);
         let unshot = all_channels(&solution, Solution::unshot);
         let pairs = shot.iter_mut().zip(unshot);
@@ -183,7 +193,8 @@ impl Stochastic {
             shooter: Shooter::new(&mesh, receivers, hash(options.seed, 2)),
             before: all_channels(&solution, Solution::irradiance),
             direct_light: DirectLight::new(elements, channels),
-            reflected: Reflected::new(areas, channels, gatherer.rays_of_round()),
+            reflected: Reflected::new(areas, channels),
+            highlights: None,
             lost: Lost::new(&solution),
             is_closed: None,
             stages: Stages::default(),
@@ -194,7 +205,6 @@ impl Stochastic {
                 .sum(),
             noise: f64::INFINITY,
             noises: [f64::INFINITY; 2],
-            gatherer,
             shot,
             direct,
             receivers,
@@ -204,7 +214,10 @@ impl Stochastic {
     }
 
     /// Relative standard error of the irradiance, root mean square over the elements that receive more than a hundredth
-    /// of the mean; infinite as long as nothing is known. The error of light that was there before is not in it.
+    /// of the mean; infinite as long as nothing is known. The error of light that was there before is not in it, nor that
+    /// of the radiosity that is gathered. Against runs of other seeds it is within 1.6 times of the truth in `cornell` and `two-rooms`;
+    /// in the `theatre`, where few rays find the few lamps that shine on what is dark, 6.6 % are stated where 9.0 % are
+    /// true, and a hundredth of the elements holds half of the squares.
     pub fn noise(&self) -> f64 {
         self.noise
     }
@@ -237,7 +250,7 @@ impl Stochastic {
     /// Estimated standard error of an element's irradiance, summed over channels and undimmed; infinite as long as
     /// nothing is known.
     pub fn standard_error(&self, element: usize) -> f64 {
-        (self.direct_light.variance(element) + self.reflected_variance(element)).sqrt()
+        (self.direct_light.square(element) + self.reflected_square(element)).sqrt()
     }
 
     fn mesh(&self) -> &Arc<PatchMesh> {
@@ -251,15 +264,16 @@ impl Stochastic {
     /// The first two rounds of direct light.
     fn begin_direct(&mut self) {
         let start = Instant::now();
-        let near = self.direct.near();
-        self.stages.direct.rays += near.rays;
-        self.direct_light.near = near.irradiance;
+        let (near, rays) = self.direct.near();
+        self.stages.direct.rays += rays;
+        self.direct_light.near = near;
         self.probe();
         // What is emitted counts as shot from now on.
         let shot = self.shot.iter_mut().zip(self.direct.exitance());
         shot.for_each(|(shot, emitted)| *shot += emitted);
-        self.add_direct_round(|_| true);
-        self.add_direct_round(|_| true);
+        for rays in [FIRST_SHADOW_RAYS, SHADOW_RAYS] {
+            self.add_direct_round(&vec![rays; self.mesh().elements().len()]);
+        }
         self.stages.direct.time += start.elapsed();
         self.update();
         self.phase = Phase::Spread;
@@ -268,19 +282,17 @@ impl Stochastic {
     /// One more round of direct light where it takes most off the noise.
     fn refine_direct(&mut self) {
         let start = Instant::now();
-        let doubts = self.direct_doubts();
-        self.add_direct_round(|e| doubts.is_worth_it(e));
+        self.add_direct_round(&self.wanted_direct());
         self.stages.direct.time += start.elapsed();
         self.update();
         self.phase = self.next_phase();
     }
 
-    /// Casts one more round of shadow rays for some elements.
-    fn add_direct_round(&mut self, is_wanted: impl Fn(usize) -> bool + Sync) {
-        let rounds = &self.direct_light.rounds;
-        let brought = self.direct.round(|e| is_wanted(e).then_some(rounds[e]));
+    /// Casts one more round of shadow rays.
+    fn add_direct_round(&mut self, wanted: &[u32]) {
+        let brought = self.direct.round(self.direct_light.far.round(wanted));
         self.stages.direct.rays += brought.rays;
-        self.direct_light.add_round(&brought, is_wanted);
+        self.direct_light.far.add(&brought, wanted);
         self.close_direct();
     }
 
@@ -289,12 +301,12 @@ impl Stochastic {
         let start = Instant::now();
         let unshot = all_channels(&self.solution, Solution::unshot);
         let share = self.solution.unshot_fraction().min(1.0);
-        let rays = (SPREADING * self.rays_of_step()).max(LEAST_RAYS) * share;
+        let rays = (SPREADING * self.rays_of_step()).max(LEAST_SHOTS) * share;
         let arrived = self.shoot(&unshot, rays);
         self.stages.spreading.rays += arrived.rays;
         let pairs = self.shot.iter_mut().zip(&unshot);
         pairs.for_each(|(shot, unshot)| *shot += unshot);
-        self.reflected.add_shots(&arrived, rays);
+        self.reflected.add_shots(&arrived);
         self.lost.add_reflected(&arrived);
         self.stages.spreading.time += start.elapsed();
         self.update();
@@ -324,35 +336,49 @@ impl Stochastic {
         arrived
     }
 
-    /// Gathers all reflected light anew at the receivers of which it is uncertain, at all of them the first time.
+    /// Gathers reflected light at the receivers of which it is uncertain, at all of them the first time.
     fn gather(&mut self) {
         let start = Instant::now();
         let mesh = self.mesh().clone();
         let radiosity = self.reflected_radiosity();
-        let is_uncertain = self.uncertain_receivers();
-        let reflected = &self.reflected;
-        let receivers = is_uncertain.len();
-        let gathered = self
-            .gatherer
-            .round(&mesh, &radiosity, receivers, |receiver| {
-                is_uncertain[receiver].then(|| reflected.rounds(receiver))
-            });
-        self.stages.gathering.rays += gathered.rays;
-        self.reflected
-            .add_round(&gathered, |receiver| is_uncertain[receiver]);
+        let mut highlights = self.highlights.take().unwrap_or_else(|| {
+            let seed = hash(self.options.seed, 6);
+            Highlights::new(&mesh, self.receivers, &radiosity, self.channels(), seed)
+        });
+        let wanted = match &self.reflected.gathered {
+            Some(gathered) => self.wanted_gathering(gathered),
+            None => self.first_gathering(highlights.is_empty()),
+        };
+        let scenery = Scenery {
+            mesh: &mesh,
+            highlights: &highlights,
+            radiosity: &radiosity,
+            receivers: self.receivers,
+            channels: self.channels(),
+        };
+        let [to_highlights, to_rest] = &wanted;
+        let gathered = self.reflected.gathered();
+        let rest = scenery.gather(gathered.rest.round(to_rest), hash(self.options.seed, 4));
+        let brought = highlights.round(gathered.highlights.round(to_highlights));
+        gathered.rest.add(&rest, to_rest);
+        gathered.highlights.add(&brought, to_highlights);
+        self.stages.gathering.rays += rest.rays + brought.rays;
+        self.highlights = Some(highlights);
         self.stages.gathering.time += start.elapsed();
         self.update();
         self.phase = self.next_phase();
     }
 
-    /// Receivers one of whose elements is worth another round.
-    fn uncertain_receivers(&self) -> Vec<bool> {
-        let mut is_uncertain = vec![!self.reflected.has_gathered(); self.reflected.areas.len()];
-        let doubts = self.reflected_doubts();
-        for e in (0..self.mesh().elements().len()).filter(|&e| doubts.is_worth_it(e)) {
-            is_uncertain[self.receivers.of_element(self.mesh(), e)] = true;
-        }
-        is_uncertain
+    /// Rays of the first gathering.
+    fn first_gathering(&self, is_without_highlights: bool) -> [Vec<u32>; 2] {
+        let receivers = self.reflected.areas.len();
+        let rays = self.options.rays.next_power_of_two().max(LEAST_RAYS);
+        let to_highlights = if is_without_highlights {
+            0
+        } else {
+            (rays / 4).max(LEAST_RAYS)
+        };
+        [vec![to_highlights; receivers], vec![rays; receivers]]
     }
 
     /// What leaves the elements by reflection, `[element][channel]`.
@@ -375,7 +401,7 @@ impl Stochastic {
         let is_over = !self.is_new
             || self.noise <= self.options.noise
             || self.refinements >= MOST_REFINEMENTS;
-        match (is_over, self.noises[0] > self.noises[1]) {
+        match (is_over, self.is_direct_worse()) {
             (true, _) => Phase::Done,
             (false, true) => Phase::Refine,
             (false, false) => Phase::Gather,
@@ -389,7 +415,7 @@ impl Stochastic {
 
     /// Brings the solution up to date, and the noise.
     fn update(&mut self) {
-        if self.reflected.has_gathered() {
+        if self.reflected.gathered.is_some() {
             self.close_reflected();
         }
         let elements = self.mesh().elements().len();

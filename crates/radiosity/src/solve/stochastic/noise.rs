@@ -1,89 +1,98 @@
 //! How uncertain the light is.
+//!
+//! What rays say of their own errors does not hold the error of the radiosity that they gather, which all receivers share.
 
 use super::Stochastic;
+use super::allocation::allocate;
+use super::estimates::Estimates;
+use super::light::Gathered;
 use crate::solution::BANDS;
 use rayon::prelude::*;
 
 /// Elements that receive less than this share of the mean do not count for the noise.
 const DIM: f64 = 0.01;
 
-/// Estimates are worth another round where it takes off this share of what a round takes off their squared errors on
-/// average.
-const WORTH: f64 = 0.25;
+/// Places that follow each other, and so mostly lie by each other, by which errors are pooled.
+const GROUPS: [usize; 2] = [8, 64];
 
-/// Relative squared errors of elements, and the rounds behind them.
-pub(super) struct Doubts {
-    /// What one more round takes off.
-    gains: Vec<f64>,
-    least: f64,
-}
-
-impl Doubts {
-    /// Of elements by their relative squared errors and rounds. An error falls with the rounds, so one more after `n`
-    /// takes off its `n + 1`th part.
-    fn new(squares: Vec<f64>, rounds: impl Fn(usize) -> u32) -> Self {
-        let gains = squares.into_iter().enumerate();
-        let gains: Vec<f64> = gains
-            .map(|(e, square)| square / f64::from(rounds(e) + 1))
-            .collect();
-        let count = gains.iter().filter(|&&gain| gain > 0.0).count();
-        let mean = gains.iter().sum::<f64>() / count.max(1) as f64;
-        Self {
-            gains,
-            least: WORTH * mean,
-        }
-    }
-
-    /// Whether an element is worth another round.
-    pub(super) fn is_worth_it(&self, element: usize) -> bool {
-        self.gains[element] > 0.0 && self.gains[element] >= self.least
-    }
-}
+/// Share of the noise that was asked for at which a round aims: what it takes off is foreseen from estimates.
+const GOAL: f64 = 0.97;
 
 impl Stochastic {
     /// Of direct and of reflected light: root mean squares of relative standard errors over the elements that count.
     pub(super) fn estimate_noises(&self) -> [f64; 2] {
-        let (irradiance, least) = self.bright_irradiance();
-        let squares: Vec<[f64; 2]> = irradiance
-            .into_par_iter()
-            .enumerate()
-            .filter(|&(_, h)| h > least)
-            .map(|(e, h)| {
-                let variances = [self.direct_light.variance(e), self.reflected_variance(e)];
-                variances.map(|variance| variance / (h * h))
-            })
-            .collect();
-        [0, 1].map(|i| {
-            let sum: f64 = squares.iter().map(|square| square[i]).sum();
-            (sum / squares.len().max(1) as f64).sqrt()
+        let weights = self.weights();
+        let count = weights.iter().filter(|&&weight| weight > 0.0).count();
+        let noise = |squares: &[f64]| (squares.iter().sum::<f64>() / count.max(1) as f64).sqrt();
+        let gathered = self.reflected.gathered.as_ref();
+        let reflected = gathered.map(|gathered| noise(&self.reflected_squares(gathered, &weights)));
+        [
+            noise(&relative_squares(&self.direct_light.far, &weights)),
+            reflected.unwrap_or(f64::INFINITY),
+        ]
+    }
+
+    /// What the noises of direct and of reflected light must come down to: the same for both, and all that is left where
+    /// one has less.
+    fn goals(&self) -> [f64; 2] {
+        let noise = GOAL * self.options.noise;
+        let half = noise / core::f64::consts::SQRT_2;
+        [1, 0].map(|other: usize| {
+            let other = self.noises[other].min(half);
+            (noise * noise - other * other).sqrt()
         })
     }
 
-    /// Which elements want more shadow rays.
-    pub(super) fn direct_doubts(&self) -> Doubts {
-        let squares = self.relative_squares(|e| self.direct_light.variance(e));
-        Doubts::new(squares, |e| self.direct_light.rounds[e])
+    /// Whether direct light is farther from its goal than reflected light.
+    pub(super) fn is_direct_worse(&self) -> bool {
+        let [direct, reflected] = self.goals();
+        self.noises[0] / direct > self.noises[1] / reflected
     }
 
-    /// Which elements want their receivers to gather more.
-    pub(super) fn reflected_doubts(&self) -> Doubts {
-        let squares = self.relative_squares(|e| self.reflected_variance(e));
-        Doubts::new(squares, |e| {
-            let receiver = self.receivers.of_element(self.mesh(), e);
-            self.reflected.rounds(receiver)
-        })
+    /// Shadow rays that the elements want next.
+    pub(super) fn wanted_direct(&self) -> Vec<u32> {
+        let weights = self.weights();
+        let squares = relative_squares(&self.direct_light.far, &weights);
+        let goal = self.squares_of(self.goals()[0], &weights);
+        allocate(&squares, self.direct_light.far.rays(), goal)
     }
 
-    /// Squared errors relative to the irradiance, or to the least that counts.
-    fn relative_squares(&self, variance: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
-        let (irradiance, least) = self.bright_irradiance();
-        if least <= 0.0 {
-            return vec![0.0; irradiance.len()];
+    /// Rays that the receivers want next: to highlights, and to all other reflected light.
+    pub(super) fn wanted_gathering(&self, gathered: &Gathered) -> [Vec<u32>; 2] {
+        let weights = self.weights();
+        let squares = self.reflected_squares(gathered, &weights);
+        let rays = [&gathered.highlights, &gathered.rest].map(Estimates::rays);
+        let rays = rays.concat();
+        let goal = self.squares_of(self.goals()[1], &weights);
+        let mut highlights = allocate(&squares, &rays, goal);
+        let rest = highlights.split_off(self.reflected.areas.len());
+        [highlights, rest]
+    }
+
+    /// Relative squared errors of highlights at all receivers, then of all other reflected light, each summed over the
+    /// receiver's elements.
+    fn reflected_squares(&self, gathered: &Gathered, weights: &[f64]) -> Vec<f64> {
+        let mut of_receivers = vec![0.0; self.reflected.areas.len()];
+        for (e, weight) in weights.iter().enumerate() {
+            of_receivers[self.receivers.of_element(self.mesh(), e)] += weight;
         }
-        let squares = irradiance.into_par_iter().enumerate();
-        squares
-            .map(|(e, h)| variance(e) / h.max(least).powi(2))
-            .collect()
+        let parts = [&gathered.highlights, &gathered.rest];
+        parts
+            .map(|light| relative_squares(light, &of_receivers))
+            .concat()
+    }
+
+    /// Sum of the squares that make a noise.
+    fn squares_of(&self, noise: f64, weights: &[f64]) -> f64 {
+        let count = weights.iter().filter(|&&weight| weight > 0.0).count();
+        noise * noise * count as f64
+    }
+
+    /// Of each element what makes a squared error relative, 0 where it does not count.
+    fn weights(&self) -> Vec<f64> {
+        let (irradiance, least) = self.bright_irradiance();
+        let weight = |h: f64| if h > least { 1.0 / (h * h) } else { 0.0 };
+        irradiance.into_par_iter().map(weight).collect()
     }
 
     /// Irradiance of all elements, and the least that counts.
@@ -110,8 +119,35 @@ impl Stochastic {
     }
 
     /// Squared standard error of an element's reflected light.
-    pub(super) fn reflected_variance(&self, element: usize) -> f64 {
+    pub(super) fn reflected_square(&self, element: usize) -> f64 {
         let receiver = self.receivers.of_element(self.mesh(), element);
-        self.reflected.variance(receiver)
+        self.reflected.square(receiver)
     }
+}
+
+/// Squared errors times weights. What one ray's error is, a place takes by a third each from itself and from the means of
+/// the small and the large group around it. Alone, one whose few rays happened to agree would get no more of them and
+/// would be believed: errors would be stated by half too small in the dark.
+fn relative_squares(light: &Estimates, weights: &[f64]) -> Vec<f64> {
+    let rays = |place: usize| f64::from(light.rays()[place].max(1));
+    let of_ray = |(place, weight): (usize, &f64)| weight * light.square(place) * rays(place);
+    let of_rays: Vec<f64> = weights.iter().enumerate().map(of_ray).collect();
+    let mut pooled: Vec<f64> = of_rays.iter().map(|own| own / 3.0).collect();
+    for group in GROUPS {
+        let chunks = pooled.chunks_mut(group).zip(of_rays.chunks(group));
+        for (start, (pooled, of_rays)) in (0..).step_by(group).zip(chunks) {
+            let counts = |&place: &usize| weights[place] > 0.0;
+            let count = (start..start + of_rays.len()).filter(counts).count();
+            let mean = of_rays.iter().sum::<f64>() / count.max(1) as f64;
+            for (place, pooled) in (start..).zip(pooled) {
+                *pooled += if weights[place] > 0.0 {
+                    mean / 3.0
+                } else {
+                    0.0
+                };
+            }
+        }
+    }
+    let pairs = pooled.into_iter().enumerate();
+    pairs.map(|(place, square)| square / rays(place)).collect()
 }

@@ -1,7 +1,10 @@
 //! Where interreflected light is counted: on elements, or on patches where there are too many of them.
 
+use super::source::Source;
 use crate::patch::PatchMesh;
+use crate::patch::exposure::ExposedArea;
 use crate::patch::face::Side;
+use core::ops::Range;
 use glam::Vec3;
 
 /// A cut through the mesh whose nodes count what arrives.
@@ -31,6 +34,22 @@ impl Receivers {
         }
     }
 
+    /// The receivers of a patch.
+    pub(super) fn of_patch(self, mesh: &PatchMesh, patch: usize) -> Range<usize> {
+        match self {
+            Self::Elements => mesh.elements_of_patch(patch),
+            Self::Patches => patch..patch + 1,
+        }
+    }
+
+    /// The patch of a receiver.
+    pub(super) fn patch_of(self, mesh: &PatchMesh, receiver: usize) -> usize {
+        match self {
+            Self::Elements => mesh.patch_of_element(receiver),
+            Self::Patches => receiver,
+        }
+    }
+
     /// The receiver at a point of a face's side; none if that side only absorbs.
     pub(super) fn at(
         self,
@@ -53,6 +72,44 @@ impl Receivers {
             Self::Patches => (0..mesh.patches().len())
                 .map(|patch| mesh.elements_of_patch(patch).map(area).sum())
                 .collect(),
+        }
+    }
+}
+
+/// Where the rays of a receiver start.
+pub(super) enum Start {
+    /// On an element, with its normal.
+    Element(ExposedArea, Vec3),
+    /// On the elements of a patch, by their areas.
+    Patch(Source, Vec<(ExposedArea, Vec3)>),
+}
+
+impl Start {
+    /// None if nothing of the receiver is exposed.
+    pub(super) fn new(mesh: &PatchMesh, receivers: Receivers, receiver: usize) -> Option<Self> {
+        let element = |e: usize| (mesh.exposed(e), mesh.node(mesh.elements()[e]).normal);
+        match receivers {
+            Receivers::Elements => {
+                let (area, normal) = element(receiver);
+                (area.area() > 0.0).then_some(Self::Element(area, normal))
+            }
+            Receivers::Patches => {
+                let source = Source::new(mesh, receiver, |e| f64::from(mesh.exposed_area(e)));
+                let elements = mesh.elements_of_patch(receiver).map(element);
+                (source.total() > 0.0).then(|| Self::Patch(source, elements.collect()))
+            }
+        }
+    }
+
+    /// A point by area, and the normal there.
+    pub(super) fn point(&self, [u, v]: [f32; 2]) -> (Vec3, Vec3) {
+        match self {
+            Self::Element(area, normal) => (area.point([u, v]), *normal),
+            Self::Patch(source, elements) => {
+                let choice = source.choose(u);
+                let (area, normal) = &elements[choice.element - source.first];
+                (area.point([choice.rest, v]), *normal)
+            }
         }
     }
 }

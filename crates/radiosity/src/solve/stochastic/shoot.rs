@@ -14,8 +14,6 @@ use crate::solution::BANDS;
 use hemicube_raster::Rgb;
 use rayon::prelude::*;
 
-/// Independent repetitions whose differences tell the error.
-pub(super) const REPLICATES: usize = 4;
 /// Rays of a patch that are one piece of work.
 const RAYS_AT_ONCE: u32 = 4096;
 /// Panes that keep less of the light than this receive nothing.
@@ -27,8 +25,6 @@ const MOST_RAYS_OF_PATCH: f64 = (1_u32 << 28) as f64;
 pub(super) struct Arrived {
     /// Flux to each receiver, `[channel][receiver]`, divided by what it keeps.
     pub(super) received: Vec<f64>,
-    /// The same summed over channels, of each replicate alone and scaled to the whole, `[replicate][receiver]`.
-    pub(super) replicates: Vec<f64>,
     /// Flux to sides that only absorb, by channel.
     pub(super) backs: Vec<f64>,
     /// Flux that met nothing, by channel.
@@ -40,16 +36,9 @@ pub(super) struct Arrived {
 impl Arrived {
     /// Adds what constant radiosities, by channel, bring to receivers of such areas where nothing is lost.
     pub(super) fn add_constants(&mut self, areas: &[f64], constants: &[f32]) {
-        let total: f64 = constants.iter().map(|&c| f64::from(c)).sum();
         for (channel, &constant) in constants.iter().enumerate() {
             let received = self.received[channel * areas.len()..].iter_mut().zip(areas);
             received.for_each(|(flux, area)| *flux += f64::from(constant) * area);
-        }
-        for replicate in 0..REPLICATES {
-            let received = self.replicates[replicate * areas.len()..]
-                .iter_mut()
-                .zip(areas);
-            received.for_each(|(flux, area)| *flux += total * area);
         }
     }
 }
@@ -60,17 +49,16 @@ pub(super) struct Shooter {
     /// Exposed areas of the receivers.
     areas: Vec<f64>,
     seed: u64,
-    /// Rays that each patch has cast in each replicate.
+    /// Rays that each patch has cast.
     cast: Vec<u32>,
 }
 
-/// A piece of work: some rays of a patch in one replicate.
+/// A piece of work: some rays of a patch.
 struct Job<'a> {
     patch: usize,
     source: &'a Source,
     /// What each ray carries: this share of the patch's magnitude.
     share: f64,
-    replicate: usize,
     rays: core::ops::Range<u32>,
 }
 
@@ -90,7 +78,7 @@ impl Shooter {
         }
     }
 
-    /// Shoots a radiosity, `[channel][element]`, by about so many rays and at least four of each patch that shoots.
+    /// Shoots a radiosity, `[channel][element]`, by about so many rays and at least one of each patch that shoots.
     /// It may be negative. What arrives is made to be what left to the last bit, channel by channel: rays of an element of
     /// one colour do not carry exactly its share.
     pub(super) fn shoot(&mut self, mesh: &PatchMesh, radiosity: &[f32], rays: u64) -> Arrived {
@@ -113,7 +101,6 @@ impl Shooter {
         let bound = total / f64::from(LEAST_KEPT);
         let sums = Sums {
             received: Tally::new(channels * receivers, bound),
-            replicates: Tally::new(REPLICATES * receivers, bound * REPLICATES as f64),
             lost: Tally::new(2 * channels, total),
         };
         let carried: Vec<Vec<f64>> = jobs
@@ -124,7 +111,6 @@ impl Shooter {
         let lost: Vec<f64> = number(&sums.lost, 2 * channels);
         let mut arrived = Arrived {
             received: number(&sums.received, channels * receivers),
-            replicates: number(&sums.replicates, REPLICATES * receivers),
             backs: lost[..channels].to_vec(),
             escaped: lost[channels..].to_vec(),
             rays: jobs.iter().map(Job::count).sum(),
@@ -164,7 +150,7 @@ impl Shooter {
         }
     }
 
-    /// Splits the rays among patches, replicates and pieces.
+    /// Splits the rays among patches and pieces.
     fn jobs<'a>(&mut self, sources: &'a [Source], total: f64, rays: u64) -> Vec<Job<'a>> {
         let mut jobs = Vec::new();
         for (patch, source) in sources.iter().enumerate() {
@@ -172,21 +158,18 @@ impl Shooter {
             if magnitude <= 0.0 {
                 continue;
             }
-            let wanted = magnitude / total * rays as f64 / REPLICATES as f64;
+            let wanted = magnitude / total * rays as f64;
             let each = ray_count(wanted);
             let first = self.cast[patch];
             self.cast[patch] = first.wrapping_add(each);
-            for replicate in 0..REPLICATES {
-                for start in (0..each).step_by(RAYS_AT_ONCE as usize) {
-                    let end = (start + RAYS_AT_ONCE).min(each);
-                    jobs.push(Job {
-                        patch,
-                        source,
-                        share: 1.0 / (f64::from(each) * REPLICATES as f64),
-                        replicate,
-                        rays: first.wrapping_add(start)..first.wrapping_add(end),
-                    });
-                }
+            for start in (0..each).step_by(RAYS_AT_ONCE as usize) {
+                let end = (start + RAYS_AT_ONCE).min(each);
+                jobs.push(Job {
+                    patch,
+                    source,
+                    share: 1.0 / f64::from(each),
+                    rays: first.wrapping_add(start)..first.wrapping_add(end),
+                });
             }
         }
         jobs
@@ -198,8 +181,7 @@ impl Shooter {
         let channels = radiosity.len() / elements;
         let receivers = self.areas.len();
         let visibility = mesh.visibility();
-        let seed = hash(hash(self.seed, job.patch as u64), job.replicate as u64);
-        let sequence = Sobol4::new(seed);
+        let sequence = Sobol4::new(hash(self.seed, job.patch as u64));
         let mut carried = vec![0.0; channels];
         let mut total = vec![0.0; channels];
         let mut ray = job.rays.start;
@@ -229,7 +211,7 @@ impl Shooter {
                         Some(receiver) => {
                             let kept =
                                 Rgb::WHITE - mean_transmittance(mesh, self.receivers, receiver);
-                            sums.receive(&carried, taken, kept, job.replicate, receiver, receivers);
+                            sums.receive(&carried, taken, kept, receiver, receivers);
                         }
                         None => sums.lose(&carried, taken, 0),
                     }
@@ -252,34 +234,21 @@ fn mean_transmittance(mesh: &PatchMesh, receivers: Receivers, receiver: usize) -
 
 struct Sums {
     received: Tally,
-    replicates: Tally,
     /// To backs, then to nowhere.
     lost: Tally,
 }
 
 impl Sums {
-    fn receive(
-        &self,
-        carried: &[f64],
-        taken: Rgb,
-        kept: Rgb,
-        replicate: usize,
-        receiver: usize,
-        receivers: usize,
-    ) {
-        let mut sum = 0.0;
+    fn receive(&self, carried: &[f64], taken: Rgb, kept: Rgb, receiver: usize, receivers: usize) {
         for (channel, flux) in carried.iter().enumerate() {
             let band = channel % BANDS;
             if kept[band] < LEAST_KEPT {
                 continue;
             }
             let flux = flux * f64::from(taken[band] / kept[band]);
-            sum += flux;
             self.received
                 .add(channel * receivers + receiver, self.received.units(flux));
         }
-        let sum = self.replicates.units(sum * REPLICATES as f64);
-        self.replicates.add(replicate * receivers + receiver, sum);
     }
 
     fn lose(&self, carried: &[f64], share: Rgb, first: usize) {

@@ -4,7 +4,8 @@ use crate::patch::PatchMesh;
 
 /// The elements of a patch, to be chosen in proportion to what they shoot.
 pub(super) struct Source {
-    first: usize,
+    /// The first of them among the mesh's elements.
+    pub(super) first: usize,
     /// Running sums of the magnitudes.
     sums: Vec<f64>,
 }

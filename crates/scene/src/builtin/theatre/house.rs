@@ -91,7 +91,7 @@ pub(super) fn sconce(b: &mut SceneBuilder, m: &Palette, place: Vec3, side: f32) 
         let end = place + out * 0.18 + Vec3::new(0.0, 0.08, dz);
         let start = place + out * 0.18 + Vec3::new(0.0, 0.01, 0.125 * dz);
         b.tube(m.gold, &[start, end], 0.014, 6);
-        b.sphere(m.globe, end + Vec3::Y * 0.11, 0.09, 10);
+        b.sphere(m.globe, end + Vec3::Y * 0.11, 0.09, 8);
     }
 }
 
@@ -224,7 +224,7 @@ pub(super) fn chandelier(b: &mut SceneBuilder, m: &Palette) {
                 ],
                 10,
             );
-            b.sphere(m.globe, out * radius + Vec3::Y * (y + 0.12), 0.085, 10);
+            b.sphere(m.globe, out * radius + Vec3::Y * (y + 0.12), 0.085, 8);
         }
     }
 }

@@ -46,6 +46,7 @@ struct Palette {
     black: usize,
     cloth: usize,
     dome: usize,
+    soffit: usize,
     globe: usize,
     step: usize,
     footlight: usize,
@@ -62,6 +63,7 @@ impl Palette {
             })
         };
         let dome = light("coffer-lamp", 9200.0, 6900.0, 4100.0);
+        let soffit = light("soffit-lamp", 3600.0, 2600.0, 1500.0);
         let globe = light("globe", 5200.0, 3600.0, 1900.0);
         let step = light("step-light", 1500.0, 1000.0, 500.0);
         let footlight = light("footlight", 14000.0, 10500.0, 6800.0);
@@ -85,6 +87,7 @@ impl Palette {
             black: b.diffuse("drapes", 0.03, 0.03, 0.035),
             cloth: b.diffuse("backcloth", 0.36, 0.46, 0.62),
             dome,
+            soffit,
             globe,
             step,
             footlight,

@@ -5,35 +5,38 @@ use super::{CENTRE, HOUSE, Palette, ROWS, SEAT, rake};
 use core::f32::consts::PI;
 use glam::{Affine3A, Quat, Vec3};
 
-/// A seat that looks along -z, on its floor.
+/// A seat that looks along -z, on its floor, without what it stands on.
 pub(super) fn seat(b: &mut SceneBuilder, m: &Palette) {
-    let half = 0.5 * SEAT;
-    b.rounded(
+    let half = 0.5 * SEAT - 0.02;
+    b.cuboid(
         m.plush,
-        Vec3::new(0.06 - half, 0.36, -0.22),
-        Vec3::new(half - 0.06, 0.48, 0.2),
-        0.04,
-        1,
+        Vec3::new(-half, 0.36, -0.22),
+        Vec3::new(half, 0.48, 0.2),
+        Sides::without(&[Sides::LEFT, Sides::RIGHT]),
     );
-    b.plate(m.plush, 4, 3, |u, v, w| {
-        let x = (1.0 - 2.0 * u) * (half - 0.06);
+    let half = half - 0.02;
+    b.plate(m.plush, 3, 2, |u, v, w| {
+        let x = (1.0 - 2.0 * u) * half;
         let hollow = 0.03 * (1.0 - (2.0 * u - 1.0).powi(2));
         Vec3::new(x, 0.5 + 0.5 * v, 0.22 + 0.1 * v + hollow - 0.07 * w)
     });
-    for x in [-half + 0.005, half - 0.045] {
-        b.cuboid(
-            m.frame,
-            Vec3::new(x, 0.0, -0.16),
-            Vec3::new(x + 0.04, 0.6, 0.22),
-            Sides::without(&[Sides::BOTTOM]),
-        );
-        b.cuboid(
-            m.wood,
-            Vec3::new(x - 0.002, 0.6, -0.2),
-            Vec3::new(x + 0.042, 0.64, 0.24),
-            Sides::ALL,
-        );
-    }
+}
+
+/// A standard with an arm rest, on one side of a seat; neighbours share it.
+pub(super) fn standard(b: &mut SceneBuilder, m: &Palette, side: f32) {
+    let x = 0.5 * side * SEAT;
+    b.cuboid(
+        m.frame,
+        Vec3::new(x - 0.02, 0.0, -0.16),
+        Vec3::new(x + 0.02, 0.6, 0.22),
+        Sides::without(&[Sides::BOTTOM, Sides::TOP]),
+    );
+    b.cuboid(
+        m.wood,
+        Vec3::new(x - 0.032, 0.6, -0.2),
+        Vec3::new(x + 0.032, 0.64, 0.24),
+        Sides::ALL,
+    );
 }
 
 /// A row of seats on a circle around the stage, from angle to angle, but for the aisles.
@@ -49,16 +52,24 @@ pub(super) fn row_of_seats(
     let count = (2.0 * limit * radius / SEAT).floor();
     let step = SEAT / radius;
     let first = -0.5 * (count - 1.0) * step;
+    let is_free = |angle: f32| {
+        let x = radius * angle.sin();
+        angle <= -first + 1e-4 && aisles.iter().all(|aisle| (x - aisle).abs() > 0.85)
+    };
     let mut angle = first;
     while angle <= -first + 1e-4 {
-        let x = radius * angle.sin();
-        if aisles.iter().all(|aisle| (x - aisle).abs() > 0.85) {
-            let z = CENTRE + radius * angle.cos();
+        if is_free(angle) {
             let place = Affine3A::from_rotation_translation(
                 Quat::from_rotation_y(angle),
-                Vec3::new(x, floor, z),
+                Vec3::new(radius * angle.sin(), floor, CENTRE + radius * angle.cos()),
             );
-            b.part(place, |b| seat(b, m));
+            b.part(place, |b| {
+                seat(b, m);
+                standard(b, m, -1.0);
+                if !is_free(angle + step) {
+                    standard(b, m, 1.0);
+                }
+            });
         }
         angle += step;
     }
@@ -96,6 +107,21 @@ pub(super) struct Level {
     pub rows: usize,
 }
 
+/// A square lamp below a ceiling.
+fn soffit_lamp(b: &mut SceneBuilder, m: &Palette, place: Vec3) {
+    let (low, high) = (
+        place - Vec3::new(0.24, 0.09, 0.24),
+        place + Vec3::new(0.24, 0.06, 0.24),
+    );
+    b.cuboid(
+        m.gold,
+        low,
+        high,
+        Sides::without(&[Sides::TOP, Sides::BOTTOM]),
+    );
+    b.cuboid(m.soffit, low, high, Sides::only(&[Sides::BOTTOM]));
+}
+
 /// Treads that rise towards the back, a front with lamps on it, seats.
 pub(super) fn balcony(b: &mut SceneBuilder, m: &Palette, level: &Level) {
     let (columns, reach) = (29, HOUSE.x);
@@ -110,12 +136,19 @@ pub(super) fn balcony(b: &mut SceneBuilder, m: &Palette, level: &Level) {
     b.node(&format!("{name}-balcony"));
     // Underside, front, and the parapet's top and inner side.
     let last = radius + level.rows as f32 * ROWS.1;
-    b.sheet(m.ceiling, 4, columns, |row, column| {
-        let share = row as f32 / 3.0;
+    let underside = |share: f32, column: usize| {
         let to_wall = at(last, column, 0.0).with_z(HOUSE.z);
         let from = at(radius, column, 0.0);
         from.lerp(to_wall, share) + Vec3::Y * (level.floor - 0.35 + 0.5 * share)
+    };
+    b.sheet(m.ceiling, 13, columns, |row, column| {
+        underside(row as f32 / 12.0, column)
     });
+    for column in (2..columns).step_by(4) {
+        for share in [0.22, 0.62] {
+            soffit_lamp(b, m, underside(share, column));
+        }
+    }
     b.sheet(m.ornament, 6, columns, |row, column| {
         let y = level.floor - 0.35 + 1.25 * row as f32 / 5.0;
         let bulge = 0.18 * (PI * row as f32 / 5.0).sin();
@@ -153,7 +186,7 @@ pub(super) fn balcony(b: &mut SceneBuilder, m: &Palette, level: &Level) {
         let front = radius - 0.22;
         let z = CENTRE + (front * front - x * x).sqrt();
         let place = Vec3::new(x, level.floor + 0.25, z - 0.12);
-        b.sphere(m.globe, place, 0.075, 10);
+        b.sphere(m.globe, place, 0.075, 8);
         b.tube(
             m.gold,
             &[
@@ -233,7 +266,11 @@ pub(super) fn boxes(b: &mut SceneBuilder, m: &Palette) {
                 );
                 let turn =
                     Affine3A::from_rotation_translation(Quat::from_rotation_y(side * 0.9), place);
-                b.part(turn, |b| seat(b, m));
+                b.part(turn, |b| {
+                    seat(b, m);
+                    standard(b, m, -1.0);
+                    standard(b, m, 1.0);
+                });
             }
         }
     }
