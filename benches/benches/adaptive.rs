@@ -18,7 +18,7 @@ const GATHERED_RAYS: u32 = 2048;
 type Figure = (f64, f64);
 
 fn main() {
-    for scene in ["cornell", "two-rooms", "office"] {
+    for scene in ["cornell", "two-rooms"] {
         let truth = gathered(&solved(scene, 16_000, None), PLACES, GATHERED_RAYS);
         println!("{scene}: RMS error of {PLACES} places, relative to the mean");
         let uniform: Vec<Figure> = UNIFORM

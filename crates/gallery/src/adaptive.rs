@@ -67,7 +67,7 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
 
 fn first_options() -> SolveOptions {
     SolveOptions {
-        mesh: PatchOptions::default().with_elements(300).with_patches(100),
+        mesh: PatchOptions::default().with_elements(200).with_patches(50),
         tolerance: 1e-3,
         ..Quality::Draft.into()
     }

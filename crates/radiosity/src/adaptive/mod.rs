@@ -31,7 +31,7 @@ use std::time::Instant;
 const SMALLEST: f32 = 1.0 / 16.0;
 
 /// Rounds beyond those that a single element takes to its smallest parts: light on new elements shows new contrasts.
-const MORE_ROUNDS: u32 = 2;
+const MORE_ROUNDS: u32 = 1;
 
 /// Standard errors of noisy light within which differences are not told from noise.
 const ERRORS: f64 = 3.0;

@@ -2,7 +2,9 @@
 //!
 //! *Clusters* (one for each placed mesh) hold *surfaces* (one for each lit side of a face), and surfaces are halved
 //! into smaller and smaller cells. *Patches* (they shoot) and *elements* (they receive; Cohen, Greenberg, Immel, Brock
-//! 1986) are two cuts through that forest: every root-to-leaf path crosses each once, patches above elements.
+//! 1986) are two cuts through that forest: every root-to-leaf path crosses each once, patches above elements. Elements can
+//! be cut further once there is light ([`PatchMesh::plan_refinement`]): nodes of patches and of elements that stay keep
+//! their ids.
 
 mod box_tree;
 pub mod clean;
