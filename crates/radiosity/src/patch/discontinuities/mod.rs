@@ -10,9 +10,9 @@
 //! stands on a surface are [joints](super::constraints).
 //!
 //! 1. Each wedge is a flat part of a plane, beginning at the occluder. It is cut with the faces that are large enough
-//!    ([`lines`]).
+//!    (`lines.rs`).
 //! 2. What is hidden goes: at points along the line, the lamp's corner must be seen from one side of the line and not
-//!    from the other (VE), or the point of its edge that the line looks at from at least one (EV) ([`sight`]).
+//!    from the other (VE), or the point of its edge that the line looks at from at least one (EV) (`sight.rs`).
 //! 3. What is left is handed to [`constraints`](super::constraints).
 //!
 //! Left out: critical surfaces of three edges of occluders and lamps (EEE), which are curved; lamps of more than 24
