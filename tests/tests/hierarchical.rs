@@ -235,14 +235,14 @@ fn it_goes_on_where_it_stopped() {
         ..Quality::Draft.into()
     };
     let some = SolveOptions {
-        max_steps: Some(6),
+        max_steps: Some(4),
         ..options
     };
     let part = solve(built_in("cornell"), &some, |_, _| true).expect("it is solved");
-    assert_eq!(part.provenance.steps, 6, "steps");
+    assert_eq!(part.provenance.steps, 4, "steps");
     let left = part.unshot_fraction();
     let end = resume(part, &options, |_, _| true).expect("it goes on");
-    assert!(end.provenance.steps > 6, "steps are counted on");
+    assert!(end.provenance.steps > 4, "steps are counted on");
     assert!(
         end.unshot_fraction() <= options.tolerance && left > options.tolerance,
         "{left} was left"
@@ -269,7 +269,7 @@ fn a_lamp_that_is_dimmed_takes_its_light_back() {
             bright.element_irradiance(e).g,
         );
         assert!(
-            (h - 0.25 * before).abs() < 0.05 * before,
+            (h - 0.25 * before).abs() <= 0.05 * before,
             "element {e}: {h} of {before}"
         );
     }

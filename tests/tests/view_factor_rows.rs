@@ -59,7 +59,7 @@ impl Pair {
         for occluder in &occluders {
             add_absorber(&mut scene, "occluder", vec![occluder.clone()]);
         }
-        let one_each = PatchOptions::default().with_element_size(1e6);
+        let one_each = PatchOptions::whole_faces();
         let mesh = PatchMesh::build(Arc::new(scene), one_each).expect("it can be cut");
         let exact = entry["F12"].as_f64().expect("a factor");
         Self {

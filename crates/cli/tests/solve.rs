@@ -477,8 +477,6 @@ fn a_faulty_model_is_mended_unless_told_otherwise() {
         !kept.contains("turned") && !kept.contains("lifted"),
         "{kept}"
     );
-    let error = folder.fails(2, &["solve", "room.obj", "--weld", "-1"]);
-    assert!(error.contains("-1"), "{error}");
 }
 
 #[test]

@@ -27,9 +27,9 @@ const CUT: f32 = 8.0;
 /// Points along an edge of the floor at which the chart's errors are measured.
 const MEASURED: usize = 160;
 /// The most light on the floor, so that pictures are as bright as may be.
-const BRIGHTEST: f64 = 0.05;
+const BRIGHTEST: f64 = 0.0034;
 /// How much brighter errors are shown.
-const EXAGGERATION: f64 = 8.0;
+const EXAGGERATION: f64 = 2.0;
 
 fn options(across: f32, is_cut: bool) -> PatchOptions {
     PatchOptions::default()

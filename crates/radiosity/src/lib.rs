@@ -26,9 +26,16 @@
 //! for thermal models. [`Stochastic`] stores no factor at all: rays carry the light, and their noise is told. [`Hierarchical`] links clusters,
 //! faces and parts of faces, as finely as the error that it estimates wants; light that it gathered over coarse links stays
 //! as it is where a stored solution is resumed, and scenes of tens of thousands of small faces take it minutes to an error
-//! of some percent (the steel mill 9 s to 20 %, the theatre 8 s to 70 %). [`adaptive`] cuts elements where light varies; each
-//! round asks for the rows of all patches to all elements of the new mesh, also to those that stayed, so it takes as long as
-//! solving once for every level; at borders of surfaces a vertex takes the mean of the elements along them, half an element off. What does not fit into memory is refused by a sample of pairs, before rows are computed. Radiosity is constant on an element.
+//! of some percent (the steel mill 9 s to 20 %, the theatre 8 s to 70 %). What does not fit into memory is refused by a
+//! sample of pairs, before rows are computed. Radiosity is constant on an element.
+//!
+//! Models are mended before they are cut ([`patch::clean`]). Elements are cut where faces meet ([`patch::constraints`])
+//! and, if asked, along the borders of shadows ([`patch::discontinuities`]); parts smaller than a quarter of an element
+//! stay uncut, faces that cross in more than 2048 segments keep the first, a cell the first 32, and round lamps and
+//! windows cast no lines. [`adaptive`] cuts elements where light varies; each round asks for the rows of all patches to
+//! all elements of the new mesh, also to those that stayed, so it takes as long as solving once for every level; at
+//! borders of surfaces a vertex takes the mean of the elements along them, half an element off.
+//!
 //! Coordinates are f32: a scene more than a hundred times its size away from the origin loses percents. Light that is
 //! not emitted by surfaces (sun, points) does not get more rays for its first reflection than other reflected light.
 //! Functions behind the doors ([`solve()`], [`PatchMesh::build`]) panic only on indices that are not of the mesh.

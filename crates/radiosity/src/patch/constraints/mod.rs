@@ -1,17 +1,21 @@
 //! Lines along which elements are cut before any light is known.
 //!
 //! Faces are halved by the lengths of their edges; here the smallest of those cells are cut once more, where something
-//! crosses them: other faces that meet the face ([`joints`]), vertices of other faces in its edges, and the borders of
+//! crosses them: other faces that meet the face (`joints.rs`), vertices of other faces in its edges, and the borders of
 //! shadows ([`discontinuities`](super::discontinuities)). A cell that nothing crosses stays the quad that it is, and
 //! patches, which are made of whole cells, stay as they are.
 //!
-//! 1. Points are gathered on the edges of cells ([`edges`]); both cells along an edge get the same ones, so no crack
+//! 1. Points are gathered on the edges of cells (`edges.rs`); both cells along an edge get the same ones, so no crack
 //!    opens and no vertex hangs.
-//! 2. Inside each cell, segments snap to points that are near and are cut where they cross ([`arrangement`]).
-//! 3. A constrained Delaunay triangulation fills the cell, pairs of triangles become quads ([`triangulate`]).
+//! 2. Inside each cell, segments snap to points that are near and are cut where they cross (`arrangement.rs`).
+//! 3. A constrained Delaunay triangulation fills the cell, pairs of triangles become quads (`triangulate.rs`).
 //!
 //! A line may be moved by a hundredth of a cell's size to the next point or edge, so that rounding and lines that nearly
 //! agree make no slivers.
+//!
+//! Joints are on by default: they add 7 % to the elements of the Cornell box and 10 % to those of two rooms, at most a
+//! quarter in scenes of much furniture, and little to the time of a mesh (153,590 faces of the theatre: 3.8 to 4.8 s in a
+//! build for tests). A closed room with a sunk block, whose light is known, loses 0.59 % of it instead of 0.73 %.
 
 mod arrangement;
 mod edges;

@@ -10,15 +10,21 @@
 //! stands on a surface are [joints](super::constraints).
 //!
 //! 1. Each wedge is a flat part of a plane, beginning at the occluder. It is cut with the faces that are large enough
-//!    ([`lines`]).
+//!    (`lines.rs`).
 //! 2. What is hidden goes: at points along the line, the lamp's corner must be seen from one side of the line and not
-//!    from the other (VE), or the point of its edge that the line looks at from at least one (EV) ([`sight`]).
+//!    from the other (VE), or the point of its edge that the line looks at from at least one (EV) (`sight.rs`).
 //! 3. What is left is handed to [`constraints`](super::constraints).
 //!
 //! Left out: critical surfaces of three edges of occluders and lamps (EEE), which are curved; lamps of more than 24
 //! corners; windows with the sky behind them; lines where a penumbra is wider than four elements, since those resolve
 //! it; edges shorter than a quarter of an element. The strongest lamps come first, up to 512 lines a face and 400,000
 //! wedges.
+//!
+//! It pays where a penumbra is about as wide as an element or narrower. Light exact at the vertices and linear between
+//! them, root mean square over the penumbra: below a table of 0.8 m at a height of 0.7 m, under a lamp of 0.2 m at 2 m, a
+//! uniform mesh takes 42 to 46 times as many elements for the same error; where the penumbra is one and a half elements
+//! wide, it takes as many, since light is smooth inside. Scenes of much furniture and many lamps get far more lines than
+//! they need: the office grows from 21,000 to 70,000 elements. So it is off by default.
 
 mod lights;
 mod lines;
