@@ -263,14 +263,19 @@ fn a_lamp_that_is_dimmed_takes_its_light_back() {
     let mesh = Arc::new(bright.mesh().edited(&edit).expect("it can be edited"));
     let dimmed = solved(&bright.relit(mesh, |_| 0), with_error(0.02)).into_solution();
     let bright = solved(&start, with_error(0.02)).into_solution();
-    for e in (0..dimmed.mesh().elements().len()).step_by(7) {
+    let count = dimmed.mesh().elements().len();
+    let mean = (0..count)
+        .map(|e| bright.element_irradiance(e).g)
+        .sum::<f32>()
+        / count as f32;
+    for e in (0..count).step_by(7) {
         let (h, before) = (
             dimmed.element_irradiance(e).g,
             bright.element_irradiance(e).g,
         );
         assert!(
-            (h - 0.25 * before).abs() <= 0.05 * before,
-            "element {e}: {h} of {before}"
+            (h - 0.25 * before).abs() <= 0.05 * before + 0.01 * mean,
+            "element {e}: {h} of {before}, {mean} in the mean"
         );
     }
 }

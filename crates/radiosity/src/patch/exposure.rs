@@ -4,7 +4,7 @@
 //! its light over a part that nobody sees, and a dark rim would follow every contact. So irradiance and radiosity are
 //! means over the exposed part. A point is buried if every probing ray from it meets the absorbing back of a face.
 
-use crate::patch::clean::stack::{LIFT, MOST_LAYERS};
+use crate::patch::clean::stack::{LIFT, MOST_LAYERS, MOST_TILT};
 use crate::patch::face::Side;
 use crate::patch::{NodeId, PatchMesh, Polygon};
 use crate::sampling::{cosine_direction, point_in_polygon, point2, polygon_point};
@@ -234,6 +234,6 @@ fn is_buried(visibility: &Visibility, point: Vec3, normal: Vec3) -> bool {
 fn lies_upon(visibility: &Visibility, hit: &Hit, point: Vec3, normal: Vec3) -> bool {
     let height = (hit.point - point).dot(normal);
     height < (MOST_LAYERS as f32 + 0.5) * LIFT * visibility.largest_offset()
-        && visibility.normal(hit.face).dot(normal).abs() > 0.999
+        && visibility.normal(hit.face).cross(normal).length() < MOST_TILT
         && visibility.transmittance_at(hit.face, hit.point).is_black()
 }

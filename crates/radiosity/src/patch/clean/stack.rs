@@ -22,7 +22,7 @@ pub const MOST_LAYERS: u32 = 4;
 /// Share of the smaller face that must lie upon the other: tiles overlap by rounding.
 const LEAST_SHARE: f64 = 1e-3;
 /// Largest sine of the angle between two planes that are one.
-const MOST_TILT: f32 = 1e-4;
+pub const MOST_TILT: f32 = 1e-4;
 
 /// Lifts faces that lie upon others and tells of which nodes.
 pub fn lift(scene: &Scene, faces: &mut [WorldFace], report: &mut ImportReport) {
