@@ -145,7 +145,7 @@ pub(super) fn balcony(b: &mut SceneBuilder, m: &Palette, level: &Level) {
         underside(row as f32 / 12.0, column)
     });
     for column in (2..columns).step_by(4) {
-        for share in [0.22, 0.62] {
+        for share in [0.1, 0.62] {
             soffit_lamp(b, m, underside(share, column));
         }
     }
