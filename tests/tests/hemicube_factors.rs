@@ -267,7 +267,8 @@ fn pairs(mesh: &Arc<PatchMesh>) -> RayCast {
 
 #[test]
 fn cornell_agrees_with_rays() {
-    let mesh = built_in("cornell", PatchOptions::default().with_elements(300));
+    let options = PatchOptions::default().with_elements(300);
+    let mesh = built_in("cornell", options.with_joints(false));
     let options = RayCastOptions {
         rays: 262_144,
         strategy: Strategy::Shots,
