@@ -136,8 +136,8 @@ pub(super) fn scene() -> Scene {
         ),
         (
             "balcony",
-            Vec3::new(7.5, 11.4, 29.5),
-            Vec3::new(-2.5, 3.6, 3.0),
+            Vec3::new(6.0, 12.6, 27.0),
+            Vec3::new(-2.5, 5.0, 3.0),
             62.0,
         ),
         (
