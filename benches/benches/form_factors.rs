@@ -44,6 +44,7 @@ fn ways(mesh: &Arc<PatchMesh>) -> Vec<(&'static str, Box<dyn FormFactors>)> {
         rays: 256,
         strategy,
         seed: 0,
+        shot_rays: None,
     };
     let built = |kind: FormFactorKind, raycast| {
         let options = FormFactorOptions {

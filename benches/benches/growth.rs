@@ -1,7 +1,8 @@
 //! How the time of each solver grows with the number of elements: a table, fitted powers and a picture of the curves.
 //!
-//! Every solver solves one scene in meshes from 1000 elements on, four times as many each time, until it takes longer than
-//! [`PATIENCE`] or wants too many; the power is fitted through its last three sizes. Names behind `--` choose scenes.
+//! Every solver solves one scene in meshes from 1000 elements on, until it takes longer than [`PATIENCE`] or wants too many.
+//! Time counts from the scene to its light, the mesh included; the power is fitted through the sizes from [`FITTED_FROM`] on.
+//! Names behind `--` choose scenes.
 
 use hemicube::radiosity::{
     PatchOptions, Quality, Solution, SolveOptions, Solver, SolverKind, Stage, Stochastic, resume,
@@ -14,10 +15,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Seconds after which a solver is not asked for more elements.
-const PATIENCE: f64 = 20.0;
-const LEAST_ELEMENTS: usize = 1000;
-/// Elements on a patch, where it is for patches to shoot.
+const PATIENCE: f64 = 100.0;
+/// Elements that are asked for, as far as a solver goes.
+const SIZES: [usize; 7] = [1000, 3000, 10_000, 30_000, 100_000, 300_000, 1_000_000];
+/// Below, what does not grow with the scene counts, too.
+const FITTED_FROM: usize = 9000;
+/// Elements on a patch, where it is for patches to shoot; and where they are for interreflected light that rays carry, as
+/// the program has it.
 const ELEMENTS_OF_PATCH: usize = 10;
+const ELEMENTS_OF_GATHERING_PATCH: usize = 20;
 /// What the solvers stop at: a share of the flux, and an estimated error.
 const TOLERANCE: f64 = 1e-3;
 const NOISE: f64 = 0.1;
@@ -40,8 +46,8 @@ const WAYS: [(&str, SolverKind, usize, usize); 4] = [
     (
         "rays alone",
         SolverKind::Stochastic,
-        1_100_000,
-        ELEMENTS_OF_PATCH,
+        1_000_000,
+        ELEMENTS_OF_GATHERING_PATCH,
     ),
 ];
 
@@ -68,27 +74,27 @@ fn main() {
 }
 
 fn grow(name: &str, scene: &Arc<Scene>) {
-    println!("{name}: tolerance {TOLERANCE}, noise {NOISE}; mesh not counted");
+    println!("{name}: tolerance {TOLERANCE}, noise {NOISE}");
     let mut curves = Vec::new();
     for (way, kind, most, elements_of_patch) in WAYS {
         let mut found: Vec<Timed> = Vec::new();
-        let mut wanted = LEAST_ELEMENTS;
-        while wanted <= most && found.last().is_none_or(|timed| timed.seconds < PATIENCE) {
+        for wanted in SIZES.into_iter().filter(|&wanted| wanted <= most) {
+            if found.last().is_some_and(|timed| timed.seconds > PATIENCE) {
+                break;
+            }
             let timed = time(way, scene, kind, wanted, elements_of_patch);
             // Scenes of many faces have no coarser mesh than one element a face.
             let is_larger = found
                 .last()
-                .is_none_or(|last| timed.elements > last.elements);
+                .is_none_or(|last| timed.elements > last.elements + last.elements / 10);
             if is_larger {
                 found.push(timed);
             }
-            wanted *= 4;
         }
-        let power = found
-            .len()
-            .checked_sub(3)
-            .map(|start| power(&found[start..]));
-        let label = power.map_or(String::from(way), |power| format!("{way}, n^{power:.2}"));
+        let label = match power(&found) {
+            Some(power) => format!("{way}, n^{power:.2}"),
+            None => String::from(way),
+        };
         println!("{label}");
         let points = found
             .iter()
@@ -126,9 +132,10 @@ fn time(
         noise: NOISE,
         ..Quality::Normal.into()
     };
+    let start = Instant::now();
     let unlit = unlit(scene.clone(), &options, &|| false).expect("a mesh");
     let elements = unlit.mesh().elements().len();
-    let start = Instant::now();
+    let meshed = start.elapsed().as_secs_f64();
     let (note, error) = if solver == SolverKind::Stochastic {
         by_stages(unlit, &options)
     } else {
@@ -139,7 +146,7 @@ fn time(
     let seconds = start.elapsed().as_secs_f64();
     // A fast wrong answer counts for nothing.
     assert!(error < 1e-4, "{way}: {error:.1e} of the energy is lost");
-    println!("{way}, {elements} elements: {seconds:.2} s, {note}");
+    println!("{way}, {elements} elements: {seconds:.2} s, {meshed:.2} s of them the mesh, {note}");
     Timed { elements, seconds }
 }
 
@@ -165,17 +172,19 @@ fn by_stages(unlit: Solution, options: &SolveOptions) -> (String, f64) {
     (note, balance_error(solver.solution()))
 }
 
-/// Exponent of a power law through points, by least squares of their logarithms.
-fn power(points: &[Timed]) -> f64 {
-    let logs = points
+/// Exponent of a power law through the sizes that count, by least squares of their logarithms, if there are three.
+fn power(found: &[Timed]) -> Option<f64> {
+    let logs: Vec<(f64, f64)> = found
         .iter()
-        .map(|timed| ((timed.elements as f64).ln(), timed.seconds.ln()));
-    let n = points.len() as f64;
+        .filter(|timed| timed.elements >= FITTED_FROM)
+        .map(|timed| ((timed.elements as f64).ln(), timed.seconds.ln()))
+        .collect();
+    let n = logs.len() as f64;
     let (x, y) = logs
-        .clone()
+        .iter()
         .fold((0.0, 0.0), |(x, y), (a, b)| (x + a / n, y + b / n));
-    let (up, across) = logs.fold((0.0, 0.0), |(up, across), (a, b)| {
+    let (up, across) = logs.iter().fold((0.0, 0.0), |(up, across), (a, b)| {
         (up + (a - x) * (b - y), across + (a - x).powi(2))
     });
-    up / across
+    (logs.len() > 2).then(|| up / across)
 }

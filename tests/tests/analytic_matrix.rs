@@ -167,6 +167,7 @@ fn rows_agree_with_rays() {
             rays: 65_536,
             strategy: Strategy::Shots,
             seed: 1,
+            shot_rays: None,
         };
         let rays = RayCast::new(mesh.clone(), options);
         let (mut one, mut two) = (Row::default(), Row::default());

@@ -17,6 +17,7 @@ fn methods(mesh: &Arc<PatchMesh>) -> Vec<(&'static str, f64, Box<dyn FormFactors
             rays,
             strategy,
             seed: 0,
+            shot_rays: None,
         };
         Box::new(RayCast::new(mesh.clone(), options)) as Box<dyn FormFactors>
     };
@@ -30,6 +31,7 @@ fn methods(mesh: &Arc<PatchMesh>) -> Vec<(&'static str, f64, Box<dyn FormFactors
         rays: 4096,
         strategy: Strategy::Shots,
         seed: 0,
+        shot_rays: None,
     };
     let cells_error = 8.0 / 256.0;
     let mut all = vec![
@@ -183,6 +185,7 @@ fn an_occluder_casts_its_share_of_shadow() {
             rays: 4096,
             strategy: Strategy::Pairs,
             seed: 0,
+            shot_rays: None,
         },
     );
     let shots = RayCast::new(
@@ -191,6 +194,7 @@ fn an_occluder_casts_its_share_of_shadow() {
             rays: 65_536,
             strategy: Strategy::Shots,
             seed: 1,
+            shot_rays: None,
         },
     );
     let far = |e: u32| mesh.node(mesh.elements()[e as usize]).centroid.y > 0.9;

@@ -261,6 +261,7 @@ fn pairs(mesh: &Arc<PatchMesh>) -> RayCast {
         rays: 4096,
         strategy: Strategy::Pairs,
         seed: 0,
+        shot_rays: None,
     };
     RayCast::new(mesh.clone(), options)
 }
@@ -273,6 +274,7 @@ fn cornell_agrees_with_rays() {
         rays: 262_144,
         strategy: Strategy::Shots,
         seed: 0,
+        shot_rays: None,
     };
     let shots = RayCast::new(mesh.clone(), options);
     let (by_cubes, whole) = rms_difference(&hemicube(&mesh, 128, 16), &shots);

@@ -216,6 +216,7 @@ fn pairs_and_shots_lose_the_same() {
                 rays,
                 strategy,
                 seed: 0,
+                shot_rays: None,
             },
         )
     };

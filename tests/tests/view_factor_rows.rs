@@ -301,6 +301,7 @@ fn cast_rows_are_within_their_bounds() {
                 rays: 4096,
                 strategy,
                 seed,
+                shot_rays: None,
             };
             let factors = RayCast::new(pair.mesh.clone(), options);
             (pair.factor(&factors) - pair.exact, factors.rays() as f64)

@@ -29,6 +29,7 @@ pub struct Report {
     solver: String,
     form_factors: String,
     rays_per_hemisphere: u32,
+    shot_rays: Option<u32>,
     hemicube_resolution: u32,
     seed: u64,
     tolerance: f64,
@@ -176,6 +177,7 @@ impl Report {
             solver: provenance.solver.clone(),
             form_factors: provenance.form_factors.clone(),
             rays_per_hemisphere: provenance.rays_per_hemisphere,
+            shot_rays: provenance.shot_rays,
             hemicube_resolution: provenance.hemicube_resolution,
             seed: provenance.seed,
             tolerance: solved.options.tolerance,
@@ -242,6 +244,7 @@ energy    {:>14} {:>13} {:>13} {:>13} {:>9}
             factors(
                 &self.form_factors,
                 self.rays_per_hemisphere,
+                self.shot_rays,
                 self.hemicube_resolution
             ),
             self.seed,
@@ -292,11 +295,15 @@ pub fn cut_along(cuts: CutCounts) -> String {
 }
 
 /// The way to the form factors and how fine it was.
-pub fn factors(name: &str, rays: u32, resolution: u32) -> String {
+pub fn factors(name: &str, rays: u32, shot_rays: Option<u32>, resolution: u32) -> String {
     use FormFactorKind as Kind;
+    let rays = shot_rays.map_or_else(
+        || counted(u64::from(rays), "ray"),
+        |rays| format!("{} a shot", counted(u64::from(rays), "ray")),
+    );
     let name = crate::failure::one_line(name);
     if name.starts_with("gpu-raycast") {
-        return format!("{name} with {rays} rays");
+        return format!("{name} with {rays}");
     }
     if name.starts_with("gpu") {
         return format!("{name} with {resolution} cells an edge");
@@ -307,7 +314,7 @@ pub fn factors(name: &str, rays: u32, resolution: u32) -> String {
         }
         // Neither takes a number that the user gave.
         Some(Kind::Analytic | Kind::Hemisphere) => name,
-        Some(Kind::RayCast | Kind::Nusselt) | None => format!("{name} with {rays} rays"),
+        Some(Kind::RayCast | Kind::Nusselt) | None => format!("{name} with {rays}"),
     }
 }
 

@@ -317,6 +317,39 @@ fn matrices_that_do_not_fit_are_refused_in_words() {
 }
 
 #[test]
+fn meshes_that_do_not_fit_are_refused_with_what_would() {
+    let folder = Folder::new();
+    let size = &["--element-size", "0.0001"][..];
+    for too_fine in [&["--elements", "100000000"][..], size] {
+        let args = ["solve", "cornell", "-o", "lit.glb", "--solver", "shooting"];
+        let args = [&args[..], too_fine].concat();
+        let error = folder.fails(1, &args);
+        assert!(
+            error.contains("would take about") && error.contains("elements, about"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_shot_has_the_rays_that_were_asked_for() {
+    let folder = Folder::new();
+    let base = [
+        "solve",
+        "cornell",
+        "--solver",
+        "shooting",
+        "--shot-rays",
+        "500",
+    ];
+    let file = ["-o", "lit.glb", "--iterations", "7", "--elements", "200"];
+    let report = folder.json(&[&base[..], &file].concat());
+    assert_eq!(report["rays"], 7 * 500, "{report}");
+    let info = folder.json(&["info", "lit.glb"]);
+    assert_eq!(info["solution"]["shot_rays"], 500, "{info}");
+}
+
+#[test]
 fn time_also_holds_before_the_first_step() {
     let folder = Folder::new();
     let error = folder.fails(

@@ -70,7 +70,8 @@ fn wrong_usage_is_told_by_clap() {
         &["solve", "cornell", "--sky", "1,2,nan"],
         &["solve", "cornell", "--sky", "-1"],
         &["solve", "cornell", "--reflectance", "*=1.5"],
-        &["solve", "cornell", "--elements", "4000001"],
+        &["solve", "cornell", "--elements", "4294967296"],
+        &["solve", "cornell", "--shot-rays", "0"],
         &["solve", "cornell", "--hemicube-resolution", "33"],
         &["solve", "cornell", "--adaptive", "0"],
         &["solve", "cornell", "--adaptive", "-0.1"],
@@ -122,6 +123,32 @@ fn contradictions_are_wrong_usage_in_words() {
     folder.write("in.csv", "0,0,0,0,1,0\n");
     for (args, wanted) in [
         (&["solve", "furnace", "-o", "lit.gltf"][..], "use .glb"),
+        (
+            &[
+                "solve",
+                "furnace",
+                "-o",
+                "v.glb",
+                "--shot-rays",
+                "9",
+                "--solver",
+                "hierarchical",
+            ],
+            "hierarchical has no shots",
+        ),
+        (
+            &[
+                "solve",
+                "furnace",
+                "-o",
+                "v.glb",
+                "--shot-rays",
+                "9",
+                "--form-factors",
+                "hemicube",
+            ],
+            "--shot-rays is for --form-factors raycast",
+        ),
         (
             &["solve", "furnace", "--image", "view.jpg"],
             "use .png or .exr",

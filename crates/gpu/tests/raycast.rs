@@ -23,6 +23,7 @@ fn rows_are_those_of_the_cpu_within_their_standard_errors() {
             rays: 2048,
             strategy: Strategy::Shots,
             seed: 3,
+            shot_rays: None,
         };
         let cpu = RayCast::new(mesh.clone(), options);
         let gpu = GpuRayCast::new(context.clone(), mesh.clone(), options).expect("factors");

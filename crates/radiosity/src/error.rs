@@ -20,6 +20,16 @@ pub enum RadiosityError {
     /// An option is out of its range.
     #[error("{0}")]
     Option(String),
+    /// A mesh would have more elements than wanted at most.
+    #[error(
+        "the mesh would have {elements} elements or more, at most {most} fit; ask for fewer or larger ones, or leave out what cuts them"
+    )]
+    TooManyElements {
+        /// As far as they were counted.
+        elements: usize,
+        /// What was allowed.
+        most: usize,
+    },
     /// A file holds no solution, or a damaged one.
     #[error("{0}")]
     File(String),

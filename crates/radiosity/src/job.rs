@@ -9,6 +9,7 @@ use crate::form_factor::{
     AnalyticOptions, Cached, FormFactorKind, FormFactorOptions, FormFactors, MatrixOptions,
     NusseltOptions, RayCastOptions,
 };
+use crate::memory;
 use crate::patch::{PatchMesh, PatchOptions};
 use crate::primary::primary_irradiance_until;
 use crate::solution::{BANDS, Grouping, Provenance, Solution};
@@ -37,6 +38,8 @@ pub struct SolveOptions {
     pub analytic: AnalyticOptions,
     /// Rays over each hemisphere. Default value: 256.
     pub rays: u32,
+    /// Rays of every shot ([`RayCastOptions::shot_rays`]). Default value: none, by [`Self::rays`].
+    pub shot_rays: Option<u32>,
     /// Seed of all sampling. Default value: 0.
     pub seed: u64,
     /// Unshot share of the emitted flux at which the solution is finished. Default value: 5e-4.
@@ -52,6 +55,9 @@ pub struct SolveOptions {
     pub grouping: Grouping,
     /// Most bytes that solvers on a matrix may take for it and what they make of it, or links may take. Default value: 2 GiB.
     pub memory_limit: usize,
+    /// Most bytes that all of the work may take, by an [estimate](crate::memory); finer meshes are refused before they are
+    /// built. Default value: none.
+    pub total_memory: Option<usize>,
     /// Elements are cut where light varies over them. Default value: none, the mesh stays as it is.
     pub adaptive: Option<AdaptiveOptions>,
 }
@@ -205,6 +211,7 @@ impl From<Quality> for SolveOptions {
             hemicube: HemicubeOptions::default(),
             analytic: AnalyticOptions::default().with_error(1e-4),
             rays,
+            shot_rays: None,
             seed: 0,
             tolerance,
             noise,
@@ -212,6 +219,7 @@ impl From<Quality> for SolveOptions {
             solver: SolverKind::default(),
             grouping: Grouping::Together,
             memory_limit: MatrixOptions::default().memory_limit,
+            total_memory: None,
             adaptive: None,
         }
     }
@@ -236,6 +244,16 @@ impl SolveOptions {
             return fail(format!(
                 "rays {} is not between 1 and {}",
                 self.rays,
+                1 << 20
+            ));
+        }
+        if self
+            .shot_rays
+            .is_some_and(|rays| rays == 0 || rays > 1 << 20)
+        {
+            let rays = self.shot_rays.unwrap_or(0);
+            return fail(format!(
+                "rays of a shot {rays} are not between 1 and {}",
                 1 << 20
             ));
         }
@@ -302,6 +320,7 @@ impl SolveOptions {
         FormFactorOptions {
             raycast: RayCastOptions {
                 rays: self.rays,
+                shot_rays: self.shot_rays,
                 seed: self.seed,
                 ..RayCastOptions::default()
             },
@@ -372,7 +391,10 @@ pub fn unlit(
     if !scene.has_light() {
         return Err(RadiosityError::NoLight(scene.name.clone()));
     }
-    let mesh = Arc::new(PatchMesh::build_until(scene, options.mesh, stop)?);
+    let most = memory::most_elements(&scene, options);
+    let mesh = PatchMesh::build_within(scene.clone(), options.mesh, most, stop)
+        .map_err(|error| memory::explained(error, &scene, options))?;
+    let mesh = Arc::new(mesh);
     refuse_endless_light(&mesh)?;
     refuse_too_many_channels(&mesh, options.grouping)?;
     options.refuse_large_matrix(&mesh)?;
@@ -515,6 +537,7 @@ pub(crate) fn converge(
     solution.provenance = Provenance {
         form_factors: name,
         rays_per_hemisphere: options.rays,
+        shot_rays: options.shot_rays,
         hemicube_resolution: options.hemicube.resolution,
         seed: options.seed,
         rays: before.rays + rays,
@@ -552,10 +575,15 @@ fn refuse_too_many_channels(mesh: &PatchMesh, grouping: Grouping) -> Result<(), 
 
 /// Light groups that a solution has, or more.
 fn groups_of(mesh: &PatchMesh, grouping: Grouping) -> usize {
+    groups_in(mesh.scene(), grouping)
+}
+
+/// As [`groups_of`], before there is a mesh.
+pub(crate) fn groups_in(scene: &Scene, grouping: Grouping) -> usize {
     match grouping {
         Grouping::Together => 1,
         Grouping::ByMaterial => {
-            let emitting = mesh.scene().materials.iter().filter(|m| m.emits());
+            let emitting = scene.materials.iter().filter(|m| m.emits());
             emitting.count() + 1
         }
     }

@@ -51,6 +51,7 @@ pub mod export;
 pub mod form_factor;
 pub mod gather;
 pub mod job;
+pub mod memory;
 pub mod patch;
 pub mod primary;
 pub mod sampling;

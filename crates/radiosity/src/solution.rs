@@ -42,6 +42,8 @@ pub struct Provenance {
     pub form_factors: String,
     /// Rays for each hemisphere.
     pub rays_per_hemisphere: u32,
+    /// Rays for each shot, where their number was fixed.
+    pub shot_rays: Option<u32>,
     /// Cells along an edge of hemicubes, where they are the way to the form factors.
     pub hemicube_resolution: u32,
     /// Seed of the sampling sequences.

@@ -73,7 +73,7 @@ pub struct FactorArgs {
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub element_size: Option<f32>,
     /// Cut faces into about so many parts, beyond one for each, instead [default: none for analytic, else 500]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=u64::from(u32::MAX)))]
     pub elements: Option<u32>,
     /// Change the factors as little as closure (rows sum to 1) and reciprocity (A_i F_ij = A_j F_ji) allow; the report
     /// says how much that was. A row that loses up to 0.1 % to the sky, through its seams, loses nothing any more; more
@@ -156,6 +156,7 @@ impl FactorArgs {
             name: self.way().name(),
             error: self.error.is_some(),
             rays: self.rays.is_some(),
+            shot_rays: false,
             resolution: self.hemicube_resolution.is_some(),
         };
         given.misplaced("--method")

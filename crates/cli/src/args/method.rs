@@ -13,6 +13,8 @@ pub struct MethodGiven {
     pub error: bool,
     /// `--rays`
     pub rays: bool,
+    /// `--shot-rays`
+    pub shot_rays: bool,
     /// `--hemicube-resolution`
     pub resolution: bool,
 }
@@ -20,9 +22,10 @@ pub struct MethodGiven {
 impl MethodGiven {
     /// What to tell of the first option that was given for another way than the one in use, which `chosen_by` chooses.
     pub fn misplaced(&self, chosen_by: &str) -> Option<String> {
-        let all: [(bool, &str, &[Kind]); 3] = [
+        let all: [(bool, &str, &[Kind]); 4] = [
             (self.error, "--error", &[Kind::Analytic]),
             (self.rays, "--rays", &[Kind::RayCast, Kind::Nusselt]),
+            (self.shot_rays, "--shot-rays", &[Kind::RayCast]),
             (
                 self.resolution,
                 "--hemicube-resolution",

@@ -70,13 +70,13 @@ pub struct MeshArgs {
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub element_size: Option<f32>,
     /// Elements to aim at instead of a size [default: 4000]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=u64::from(u32::MAX)))]
     pub elements: Option<u32>,
     /// Longest edge of the patches that shoot light, in scene units (metres)
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub patch_size: Option<f32>,
     /// Patches to aim at instead of a size [default: 400]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = parse::whole::<u32>(1..=u64::from(u32::MAX)))]
     pub patches: Option<u32>,
     /// Distance in scene units up to which vertices become one [default: two millionths of the scene's diagonal, for
     /// rounding]
@@ -106,6 +106,10 @@ pub struct MeshArgs {
     /// Rays over each hemisphere, for raycast, gpu-raycast and nusselt, for a round of stochastic, and for the light of sky and sun [default: 256]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::whole::<u32>(1..=1 << 20))]
     pub rays: Option<u32>,
+    /// Rays of every shot of raycast and gpu-raycast, so that a step has a fixed price, in place of a share of --rays by the
+    /// patch's area and brightness; elements beyond the reach of few rays get noise [default: by --rays]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse::whole::<u32>(1..=1 << 20))]
+    pub shot_rays: Option<u32>,
     /// Seed of all sampling [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub seed: Option<u64>,
@@ -165,13 +169,13 @@ pub struct LiveArgs {
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub element_size: Option<f32>,
     /// Elements to aim at instead of a size
-    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=u64::from(u32::MAX)))]
     pub elements: Option<u32>,
     /// Longest edge of the patches that shoot light, in scene units (metres)
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub patch_size: Option<f32>,
     /// Patches to aim at instead of a size
-    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "patch_size", value_parser = parse::whole::<u32>(1..=u64::from(u32::MAX)))]
     pub patches: Option<u32>,
     /// Way to the equilibrium, as for `hemicube solve`
     #[arg(long, value_name = "SOLVER", value_parser = parse::choice(&SolverKind::ALL, SolverKind::name))]
@@ -242,6 +246,7 @@ impl MeshArgs {
             options.hemicube.resolution = resolution;
         }
         options.rays = self.rays.unwrap_or(options.rays);
+        options.shot_rays = self.shot_rays.or(options.shot_rays);
         options.seed = self.seed.unwrap_or(options.seed);
     }
 
@@ -271,6 +276,7 @@ impl MeshArgs {
             name: self.form_factors.map_or(kind.name(), FactorWay::name),
             error: false,
             rays,
+            shot_rays: self.shot_rays.is_some(),
             resolution: self.hemicube_resolution.is_some(),
         };
         given.misplaced("--form-factors")
@@ -306,6 +312,7 @@ impl MeshArgs {
             (self.gpu.require_gpu, "--require-gpu"),
             (self.hemicube_resolution.is_some(), "--hemicube-resolution"),
             (self.rays.is_some(), "--rays"),
+            (self.shot_rays.is_some(), "--shot-rays"),
         ]));
         all
     }
@@ -344,6 +351,7 @@ impl SolveArgs {
         if self.mesh.quality.is_none() && before.rays_per_hemisphere > 0 {
             options.rays = before.rays_per_hemisphere;
         }
+        options.shot_rays = before.shot_rays;
         options.seed = before.seed;
         if before.hemicube_resolution > 0 {
             options.hemicube.resolution = before.hemicube_resolution;
@@ -366,11 +374,11 @@ impl SolveArgs {
         options.noise = self.noise.unwrap_or(options.noise);
         options.max_steps = self.iterations;
         options.adaptive = self.adaptive_options();
+        options.total_memory = free_memory().map(share);
         if let Some(mib) = self.matrix_memory {
             options.memory_limit = mib as usize * (1 << 20);
         } else if let Some(free) = free_memory() {
-            let most = usize::try_from(free / 10 * SHARE_OF_MEMORY).unwrap_or(usize::MAX);
-            options.memory_limit = options.memory_limit.min(most);
+            options.memory_limit = options.memory_limit.min(share(free));
         }
     }
 
@@ -408,6 +416,11 @@ impl SolveArgs {
 fn patches_for_rays(elements: usize) -> usize {
     const MOST: usize = 50_000;
     (elements / 20).min(MOST)
+}
+
+/// What of the free memory may be taken.
+fn share(free: u64) -> usize {
+    usize::try_from(free / 10 * SHARE_OF_MEMORY).unwrap_or(usize::MAX)
 }
 
 fn names<const N: usize>(all: [(bool, &'static str); N]) -> Vec<&'static str> {

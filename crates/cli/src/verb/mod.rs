@@ -17,7 +17,7 @@ use crate::args::{GlobalArgs, MeshArgs, SceneArgs, SolveArgs};
 use crate::failure::Failure;
 use crate::input::Input;
 use crate::solving::{Stop, Watch, percent};
-use hemicube::radiosity::{Solution, SolveOptions, SolverKind};
+use hemicube::radiosity::{Solution, SolveOptions, SolverKind, Way};
 use hemicube::scene::Scene;
 use std::path::Path;
 use std::time::Instant;
@@ -34,10 +34,23 @@ fn note(global: GlobalArgs, text: &str) {
 
 /// Refuses options of other ways to form factors than the one in use.
 fn refuse_misplaced(mesh: &MeshArgs, options: &SolveOptions, scene: &Scene) -> Result<(), Failure> {
+    refuse_shot_rays(mesh, options.solver)?;
     match mesh.misplaced(options.form_factors, scene) {
         Some(what) => Err(Failure::Usage(what)),
         None => Ok(()),
     }
+}
+
+/// Rays of a shot are of solvers that ask for rows of form factors.
+fn refuse_shot_rays(mesh: &MeshArgs, solver: SolverKind) -> Result<(), Failure> {
+    let has_shots = !matches!(solver.way(), Way::Stochastic | Way::Hierarchical);
+    if mesh.shot_rays.is_some() && !has_shots {
+        return Err(Failure::Usage(format!(
+            "--shot-rays is of solvers that shoot, as --solver sorted-shooting; {} has no shots",
+            solver.name()
+        )));
+    }
+    Ok(())
 }
 
 /// Options for a scene that is solved afresh; says what they chose by its size.

@@ -1,6 +1,6 @@
 //! `hemicube solve`: from a scene to its light.
 
-use super::{note, options_of, refuse_misplaced};
+use super::{note, options_of, refuse_misplaced, refuse_shot_rays};
 use crate::args::{GlobalArgs, SolveVerb};
 use crate::failure::Failure;
 use crate::history;
@@ -77,6 +77,7 @@ fn solve(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<Solved,
     let solution = Input::open_lit(lit)?;
     picture::check(solution.mesh().scene(), &args.picture)?;
     let options = args.solve.options_to_resume(&solution.provenance);
+    refuse_shot_rays(&args.solve.mesh, options.solver)?;
     if let Some(what) = args.solve.mesh.misplaced_in_steps(options.form_factors) {
         return Err(Failure::Usage(what));
     }

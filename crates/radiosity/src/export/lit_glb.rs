@@ -27,7 +27,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Layout of the buffer view of ours; another number is another layout.
-const VERSION: u64 = 5;
+const VERSION: u64 = 6;
 
 /// How a lit `.glb` is written.
 #[derive(Debug, Clone)]

@@ -155,6 +155,20 @@ impl PatchMesh {
         options: PatchOptions,
         stop: Stop<'_>,
     ) -> Result<Self, RadiosityError> {
+        Self::build_within(scene, options, MAX_ELEMENTS, stop)
+    }
+
+    /// As [`Self::build_until`], of at most so many elements, if that is less than [`MAX_ELEMENTS`].
+    ///
+    /// # Errors
+    /// As [`Self::build_until`], or [`RadiosityError::TooManyElements`], mostly before elements are made.
+    pub fn build_within(
+        scene: Arc<Scene>,
+        options: PatchOptions,
+        most: usize,
+        stop: Stop<'_>,
+    ) -> Result<Self, RadiosityError> {
+        let most = most.min(MAX_ELEMENTS);
         scene.check()?;
         options.check()?;
         let mut report = ImportReport::default();
@@ -166,7 +180,7 @@ impl PatchMesh {
         refuse_far_places(&scene, &faces)?;
         clean::clean(&scene, &mut faces, options.clean, &mut report);
         let faces: Arc<[WorldFace]> = faces.into();
-        let sizes = Sizes::choose(&scene, &faces, options)?;
+        let sizes = Sizes::choose(&scene, &faces, options, most)?;
         let mut mesh = Self {
             options,
             roots: vec![[None; 2]; faces.len()],
@@ -198,7 +212,7 @@ impl PatchMesh {
         if mesh.grow(sizes, stop).is_none() {
             return Err(stopped);
         }
-        mesh.refuse_too_many()?;
+        mesh.refuse_too_many(most)?;
         mesh.finish(stop).ok_or(stopped)?;
         Ok(mesh)
     }
@@ -390,15 +404,12 @@ impl PatchMesh {
 }
 
 impl PatchMesh {
-    fn refuse_too_many(&self) -> Result<(), RadiosityError> {
-        let count = self.elements.len();
-        if count <= MAX_ELEMENTS {
-            return Ok(());
+    fn refuse_too_many(&self, most: usize) -> Result<(), RadiosityError> {
+        let elements = self.elements.len();
+        if elements > most {
+            return Err(RadiosityError::TooManyElements { elements, most });
         }
-        Err(RadiosityError::Option(format!(
-            "cut where faces meet and shadows end, the mesh has {count} elements; at most {MAX_ELEMENTS} fit, so ask for \
-             larger ones or leave the cuts out"
-        )))
+        Ok(())
     }
 }
 

@@ -1,8 +1,8 @@
 //! The edge lengths at which subdivision stops, chosen from counts or given.
 
 use crate::error::RadiosityError;
+use crate::patch::PatchOptions;
 use crate::patch::face::{WorldFace, newell_normal};
-use crate::patch::{MAX_ELEMENTS, PatchOptions};
 use glam::Vec3;
 use hemicube_scene::Scene;
 
@@ -21,7 +21,11 @@ impl Sizes {
         scene: &Scene,
         faces: &[WorldFace],
         options: PatchOptions,
+        most: usize,
     ) -> Result<Self, RadiosityError> {
+        if let Some(elements) = options.elements.max(options.patches).filter(|&n| n > most) {
+            return Err(RadiosityError::TooManyElements { elements, most });
+        }
         let sided = |face: &WorldFace| scene.materials[face.material as usize].lit_sides();
         let by_count = |count: usize| size_for_count(faces, sided, count);
         let patch = options.patch_size.or_else(|| options.patches.map(by_count));
@@ -34,13 +38,11 @@ impl Sizes {
         let patch = patch.unwrap_or(3.0 * element).max(element);
         let needed: usize = faces
             .iter()
-            .map(|f| sided(f) * cells_of(f, element, MAX_ELEMENTS))
+            .map(|f| sided(f) * cells_of(f, element, most))
             .fold(0, usize::saturating_add);
-        if needed > MAX_ELEMENTS {
-            let message = format!(
-                "elements of size {element} would be {needed} or more; at most {MAX_ELEMENTS} fit, so ask for larger ones"
-            );
-            return Err(RadiosityError::Option(message));
+        if needed > most {
+            let elements = needed;
+            return Err(RadiosityError::TooManyElements { elements, most });
         }
         let area = |face: &WorldFace| f64::from(newell_normal(face.polygon()).length());
         let total: f64 = faces.iter().map(area).sum();

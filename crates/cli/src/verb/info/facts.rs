@@ -227,6 +227,7 @@ impl Facts {
             factors(
                 &from.form_factors,
                 from.rays_per_hemisphere,
+                from.shot_rays,
                 from.hemicube_resolution
             ),
             from.seed,
