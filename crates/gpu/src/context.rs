@@ -171,21 +171,29 @@ impl Context {
     /// # Errors
     /// The driver gives no device.
     pub fn of_adapter(adapter: &Adapter) -> Result<Self, GpuError> {
-        // All that the adapter has: scenes are as large as they are.
         Self::open(adapter, adapter.limits())
     }
 
-    fn open(adapter: &Adapter, required_limits: Limits) -> Result<Self, GpuError> {
-        let name = adapter.get_info().name;
+    /// How a device is asked for: with all that the adapter has, because scenes are as large as they are. For those who
+    /// make devices themselves and hand them to [`Self::from_wgpu`].
+    pub fn descriptor(adapter: &Adapter) -> wgpu::DeviceDescriptor<'static> {
         // Ray queries are an experiment that has to be asked for in unsafe code.
         let optional = EXTRAS[..3]
             .iter()
             .fold(Features::empty(), |all, (feature, _)| all | *feature);
-        let descriptor = wgpu::DeviceDescriptor {
+        wgpu::DeviceDescriptor {
             label: Some("hemicube"),
             required_features: adapter.features() & optional,
-            required_limits,
+            required_limits: adapter.limits(),
             ..Default::default()
+        }
+    }
+
+    fn open(adapter: &Adapter, required_limits: Limits) -> Result<Self, GpuError> {
+        let name = adapter.get_info().name;
+        let descriptor = wgpu::DeviceDescriptor {
+            required_limits,
+            ..Self::descriptor(adapter)
         };
         let (device, queue) =
             pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| {
@@ -282,7 +290,22 @@ impl Context {
     /// # Errors
     /// The device was lost or its memory ran out.
     pub fn wait(&self) -> Result<(), GpuError> {
-        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.poll(wgpu::PollType::wait_indefinitely())
+    }
+
+    /// Waits until a submission is done; what others have submitted after it may go on.
+    ///
+    /// # Errors
+    /// The device was lost or its memory ran out.
+    pub fn wait_for(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
+        self.poll(wgpu::PollType::Wait {
+            submission_index: Some(submission),
+            timeout: None,
+        })
+    }
+
+    fn poll(&self, until: wgpu::PollType) -> Result<(), GpuError> {
+        let polled = self.device.poll(until);
         match (self.failure(), polled) {
             (Some(failure), _) => Err(failure),
             (None, Err(e)) => Err(GpuError::Lost {

@@ -49,4 +49,4 @@ pub use context::{ADAPTER_VARIABLE, AdapterReport, Context, adapters};
 pub use error::GpuError;
 pub use hemicube::{DrawCounts, GpuHemicube, ShotCounts, StageSeconds};
 pub use raycast::GpuRayCast;
-pub use shooting::GpuShooting;
+pub use shooting::{ChannelFlux, DeviceLight, GpuShooting};

@@ -162,8 +162,8 @@ impl GpuRayCast {
         }
         let bytes = (self.mesh().elements().len() as u64 + 2) * 4;
         encoder.copy_buffer_to_buffer(counts, 0, to_read, 0, bytes);
-        self.context.queue.submit([encoder.finish()]);
-        read(&self.context, to_read, bytes)
+        let submission = self.context.queue.submit([encoder.finish()]);
+        read(&self.context, to_read, bytes, submission)
     }
 
     fn params(&self, source: NodeId, rays: u32, first_ray: u32, parts: usize) -> twins::RayParams {
