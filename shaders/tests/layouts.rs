@@ -105,6 +105,8 @@ fn constants_have_the_same_values_in_rust() {
         ("MAX_LAYERS", hemicube::MAX_LAYERS),
         ("ITEM_EMPTY", hemicube::ITEM_EMPTY),
         ("SEGMENT", hemicube::SEGMENT),
+        ("RECEIVES", raycast::RECEIVES),
+        ("ABSORBS", raycast::ABSORBS),
         ("STACK", raycast::STACK),
         ("CHANNEL_WORDS", shooting::CHANNEL_WORDS),
         ("METER_BINS", surface::METER_BINS),

@@ -33,7 +33,7 @@
 //! through, the CPU casts the rays. Ray queries of the hardware are not used, though drivers have
 //! them (Mesa's lavapipe from 24.1 on): wgpu 30 calls them an experiment, and the only way to ask for it,
 //! `ExperimentalFeatures::enabled`, is unsafe code, which this workspace forbids.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod backend;
 mod buffer;
@@ -41,12 +41,14 @@ mod context;
 mod error;
 mod hemicube;
 pub mod pass;
+mod ray_queries;
 mod raycast;
 mod shooting;
 
 pub use backend::Gpu;
-pub use context::{ADAPTER_VARIABLE, AdapterReport, Context, adapters};
+pub use context::{ADAPTER_VARIABLE, AdapterReport, Context, ContextOptions, adapters};
 pub use error::GpuError;
 pub use hemicube::{DrawCounts, GpuHemicube, ShotCounts, StageSeconds};
+pub use ray_queries::{RAY_QUERY_VARIABLE, RayQueries};
 pub use raycast::GpuRayCast;
 pub use shooting::{ChannelFlux, DeviceLight, GpuShooting};
