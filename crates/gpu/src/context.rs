@@ -147,7 +147,7 @@ impl ContextOptions {
     }
 }
 
-/// A device with its queue, without a window.
+/// A device with its queue, of its own or that of a window.
 pub struct Context {
     /// The adapter's name, for messages.
     pub name: String,

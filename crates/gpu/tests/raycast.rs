@@ -3,11 +3,13 @@
 mod device;
 
 use device::{context, found};
+use glam::{Affine3A, Vec3};
 use hemicube_gpu::{Context, ContextOptions, GpuRayCast, RayQueries};
 use hemicube_radiosity::form_factor::raycast::Strategy;
 use hemicube_radiosity::form_factor::{FormFactors, RayCast, RayCastOptions, Row};
 use hemicube_radiosity::patch::{PatchMesh, PatchOptions};
-use hemicube_scene::builtin;
+use hemicube_scene::mesh::{Face, Instance, Mesh};
+use hemicube_scene::{Scene, builtin};
 use std::sync::Arc;
 
 /// A device whose rays are cast by the adapter's own queries, if there is one, which it says otherwise.
@@ -25,6 +27,37 @@ fn with_queries() -> Option<Arc<Context>> {
 fn with_tree() -> Option<Arc<Context>> {
     let options = ContextOptions::default().with_ray_queries(RayQueries::Never);
     found(Context::with_options(&options))
+}
+
+/// Cornell's room with a plate across its middle that is seen from one side and absorbs on the other, or only blocks.
+fn with_plate(blocks: bool) -> Scene {
+    let mut scene = builtin::scene("cornell").expect("it is built in");
+    let mut material = scene.materials[0].clone();
+    (material.double_sided, material.obstruction) = (false, blocks);
+    scene.materials.push(material);
+    let (low, high) = scene.bounds().expect("it has faces");
+    let (middle, size) = ((low + high) / 2.0, high - low);
+    let corner = |x: f32, z: f32| middle + Vec3::new(x * size.x, 0.2 * size.y, z * size.z);
+    let plate = Mesh {
+        name: String::from("plate"),
+        material: scene.materials.len() - 1,
+        positions: vec![
+            corner(-0.3, -0.3),
+            corner(0.3, -0.3),
+            corner(0.3, 0.3),
+            corner(-0.3, 0.3),
+        ],
+        faces: vec![Face::Quad([0, 1, 2, 3])],
+        ..Mesh::default()
+    };
+    scene.instances.push(Instance {
+        node: plate.name.clone(),
+        mesh: scene.meshes.len(),
+        world_from_mesh: Affine3A::IDENTITY,
+        flipped: false,
+    });
+    scene.meshes.push(plate);
+    scene
 }
 
 #[test]
@@ -59,8 +92,14 @@ fn rays_of_ray_queries_arrive_where_those_of_the_tree_do() {
     let (Some(queries), Some(tree)) = (with_queries(), with_tree()) else {
         return;
     };
-    for (scene, elements) in [("cornell", 600), ("office", 3000), ("theatre", 4000)] {
-        let scene = builtin::scene(scene).expect("a built-in scene");
+    let scene = |name| builtin::scene(name).expect("a built-in scene");
+    for (scene, elements, absorbs) in [
+        (scene("cornell"), 600, false),
+        (with_plate(false), 600, true),
+        (with_plate(true), 600, true),
+        (scene("office"), 3000, false),
+        (scene("theatre"), 4000, false),
+    ] {
         let mesh = PatchOptions::default()
             .with_elements(elements)
             .with_patches(elements / 4);
@@ -70,6 +109,7 @@ fn rays_of_ray_queries_arrive_where_those_of_the_tree_do() {
             strategy: Strategy::Shots,
             seed: 3,
         };
+        let mut absorbed = 0.0;
         let [a, b] = [&queries, &tree].map(|context| {
             GpuRayCast::new(context.clone(), mesh.clone(), options).expect("factors")
         });
@@ -93,12 +133,14 @@ fn rays_of_ray_queries_arrive_where_those_of_the_tree_do() {
             // A ray that arrives elsewhere is missed there and found here.
             others += counts.iter().map(|count: &f64| count.abs()).sum::<f64>() / 2.0;
             rays += of_patch;
+            absorbed += found.absorbed[0];
         }
         println!(
             "{}: {others:.0} of {rays} rays arrive elsewhere",
             mesh.scene().name
         );
         assert!(others <= 2e-4 * rays, "{others} of {rays}");
+        assert!(!absorbs || absorbed > 0.5, "backs absorb: {absorbed}");
         assert_eq!((a.failure(), b.failure()), (None, None), "devices work");
     }
 }

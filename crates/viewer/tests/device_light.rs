@@ -199,8 +199,8 @@ fn pictures_of_light_on_the_device_are_those_of_light_that_was_brought() {
     let Some((mut window, _)) = shared::window("cornell", tried) else {
         return;
     };
-    wait(&mut window, "it solves", |viewer| {
-        lane(viewer).is_some_and(is_away) && viewer.desk.is_metered()
+    wait(&mut window, "it is seen while it is solved", |viewer| {
+        lane(viewer).is_some_and(is_away) && viewer.desk.is_metered() && viewer.is_up_to_date()
     });
     window.key_press(Key::Space);
     wait(&mut window, "it pauses", |viewer| {

@@ -47,29 +47,25 @@ impl Stage {
         number: usize,
         light: ShownLight,
     ) -> Result<(), GpuError> {
-        let begin = Instant::now();
-        let Some(scene) = &mut self.scene else {
-            return Ok(());
-        };
         let lit = Some(Lit {
             light,
             pane: number,
         });
-        if scene.light.lit == lit {
-            return Ok(());
+        if let Some(scene) = self.scene.as_mut().filter(|scene| scene.light.lit != lit) {
+            let begin = Instant::now();
+            let lane = &snapshot.lanes[pane.lane];
+            match kept(lane, &self.context, light.quantity) {
+                Some(kept) => read(scene, lane, kept, &pane.dims)?,
+                None => bring(scene, snapshot, lane, pane, light.quantity)?,
+            }
+            let ambient = match light.quantity {
+                Quantity::Light => desk.ambient(pane.lane),
+                _ => Rgb::BLACK,
+            };
+            scene.walkthrough.set_ambient(ambient);
+            scene.light.lit = lit;
+            (self.lit, self.pause) = (Some(begin), Some(Pause::after(begin)));
         }
-        let lane = &snapshot.lanes[pane.lane];
-        match kept(lane, &self.context, light.quantity) {
-            Some(kept) => read(scene, lane, kept, &pane.dims)?,
-            None => bring(scene, snapshot, lane, pane, light.quantity)?,
-        }
-        let ambient = match light.quantity {
-            Quantity::Light => desk.ambient(pane.lane),
-            _ => Rgb::BLACK,
-        };
-        scene.walkthrough.set_ambient(ambient);
-        scene.light.lit = lit;
-        (self.lit, self.pause) = (Some(begin), Some(Pause::after(begin)));
         if number == 0 {
             self.meter(desk, light);
         }

@@ -283,7 +283,9 @@ impl Stage {
         Ok(())
     }
 
+    /// What is shown, and what was measured, is no longer so.
     fn forget(&mut self) {
+        (self.metering, self.metered) = (None, None);
         self.pictures
             .iter_mut()
             .for_each(|picture| picture.shows = None);
@@ -326,15 +328,17 @@ impl Stage {
             before.is_some_and(|before| before.is_same_but_for_light(shown))
         };
         if let Some(serial) = self.light_to_keep(before.as_ref(), &shown) {
-            if is_same(&shown) {
+            shown.light = serial;
+            let has_it = |before: &Shown| before.light == serial;
+            if is_same(&shown) && before.as_ref().is_some_and(has_it) {
                 return Ok(());
             }
-            shown.light = serial;
         } else {
             self.set_light(desk, snapshot, pane, i, shown.light())?;
         }
-        // With the exposure of this light it is drawn at once, not once more.
-        if self.metering.is_some() && (is_same(&shown) || !desk.is_metered()) {
+        // With the exposure of this light it is drawn once, not twice.
+        let waits = is_same(&shown) && self.pictures.len() == 1;
+        if self.metering.is_some() && (waits || !desk.is_metered()) {
             return Ok(());
         }
         if desk.prefs.display.reflections && desk.prefs.display.quantity == Quantity::Light {
@@ -361,17 +365,22 @@ impl Stage {
         }
     }
 
-    /// The light that stays on the device although there is newer one, if it does: because it is being measured, or the
-    /// newer one has to wait for its turn.
+    /// The light that stays on the device although there is newer one, if it does: because it was measured and not yet
+    /// shown, or the newer one has to wait for its turn.
     fn light_to_keep(&mut self, before: Option<&Shown>, wanted: &Shown) -> Option<u64> {
-        let lit = self.scene.as_ref()?.light.lit?;
-        let serial = lit.light.serial;
-        if self.metering.is_some() && self.pictures.len() == 1 {
-            let is_of_kind = ShownLight {
-                serial,
-                ..wanted.light()
-            } == lit.light;
-            return is_of_kind.then_some(serial);
+        let lit = self.scene.as_ref()?.light.lit?.light;
+        let serial = lit.serial;
+        let newest = wanted.light();
+        if (ShownLight { serial, ..newest }) != lit {
+            return None;
+        }
+        let is_new = before.is_none_or(|before| before.light != serial);
+        if self.metered == Some(lit) && is_new && self.pictures.len() == 1 {
+            if self.metering.is_none() && newest != lit {
+                // The newest comes right after it.
+                self.due = Some(Duration::ZERO);
+            }
+            return Some(serial);
         }
         let wait = self.wait_for_light(before?, wanted)?;
         self.due = Some(self.due.map_or(wait, |due| due.min(wait)));
