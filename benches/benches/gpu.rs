@@ -1,19 +1,23 @@
-//! The GPU's hemicubes beside the CPU's: rows, their errors, what a shot costs the device, whole solutions.
+//! The GPU's hemicubes beside the CPU's: rows, their errors, what a shot costs the device, whole solutions; rows by rays, by a
+//! tree in a shader and by the adapter's ray queries.
 //!
 //! Time is stated twice: by the clock, and as CPU time of the whole process, which is what counts for adapters that draw
 //! in software on the same cores. Without an adapter the program says that it skips. Arguments choose a part, and then
-//! sizes: `rows 10000 512`, `solve 100000`.
+//! sizes: `rows 10000 512`, `rays 10000`, `solve 100000`.
 
 use cpu_time::ProcessTime;
 use hemicube::radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
-use hemicube::radiosity::form_factor::{Analytic, AnalyticOptions};
+use hemicube::radiosity::form_factor::raycast::Strategy;
+use hemicube::radiosity::form_factor::{Analytic, AnalyticOptions, RayCast, RayCastOptions};
 use hemicube::radiosity::solve::{Order, run};
 use hemicube::radiosity::stop::NEVER;
 use hemicube::radiosity::{
     FormFactors, NodeId, PatchMesh, PatchOptions, Row, Shooting, SolveOptions, Solver, unlit,
 };
 use hemicube::scene::builtin;
-use hemicube_gpu::{Context, GpuHemicube, GpuShooting, ShotCounts, adapters};
+use hemicube_gpu::{
+    Context, ContextOptions, GpuHemicube, GpuRayCast, GpuShooting, RayQueries, ShotCounts, adapters,
+};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -34,6 +38,9 @@ fn main() {
     let wanted = Wanted::of_arguments();
     if wanted.part("rows") {
         rows(&context, &wanted);
+    }
+    if wanted.part("rays") {
+        rays(&wanted);
     }
     if wanted.part("counts") {
         counts(&context, &wanted);
@@ -76,7 +83,11 @@ impl Wanted {
 }
 
 fn mesh(elements: usize) -> Arc<PatchMesh> {
-    let scene = Arc::new(builtin::scene("cornell").expect("it is built in"));
+    mesh_of("cornell", elements)
+}
+
+fn mesh_of(scene: &str, elements: usize) -> Arc<PatchMesh> {
+    let scene = Arc::new(builtin::scene(scene).expect("it is built in"));
     let options = PatchOptions::default()
         .with_elements(elements)
         .with_patches(elements / 10);
@@ -190,6 +201,61 @@ impl Measured {
             error,
         }
     }
+}
+
+fn rays(wanted: &Wanted) {
+    println!("\nrows of cornell and office by rays, 4096 a patch: a second, a CPU second");
+    println!(
+        "scene    elements  CPU                tree in a shader   ray queries        arrive elsewhere"
+    );
+    let devices = [RayQueries::Never, RayQueries::Always].map(|when| {
+        let options = ContextOptions::default().with_ray_queries(when);
+        Arc::new(Context::with_options(&options).expect("there is an adapter"))
+    });
+    for scene in ["cornell", "office"] {
+        for elements in [1000, 10_000, 100_000] {
+            if wanted.elements(elements) {
+                rays_of(scene, elements, &devices);
+            }
+        }
+    }
+}
+
+fn rays_of(scene: &str, elements: usize, [tree, queries]: &[Arc<Context>; 2]) {
+    let mesh = mesh_of(scene, elements);
+    let options = RayCastOptions {
+        rays: 4096,
+        strategy: Strategy::Shots,
+        ..RayCastOptions::default()
+    };
+    let cpu = RayCast::new(mesh.clone(), options);
+    let on = |context: &Arc<Context>| {
+        GpuRayCast::new(context.clone(), mesh.clone(), options).expect("it fits")
+    };
+    let (tree_rows, query_rows) = (on(tree), on(queries));
+    let step = mesh.patches().len() / SAMPLE;
+    let sample: Vec<NodeId> = mesh
+        .patches()
+        .iter()
+        .copied()
+        .step_by(step.max(1))
+        .collect();
+    let of_tree: Vec<Vec<f64>> = sample.iter().map(|&id| dense(&tree_rows, id)).collect();
+    let measured = [
+        Measured::of(&cpu, &sample, &of_tree),
+        Measured::of(&tree_rows, &sample, &of_tree),
+    ];
+    print!("{scene:8} {:8}", mesh.elements().len());
+    for m in &measured {
+        print!(" {:8.0} {:8.0} ", m.by_clock, m.by_cpu);
+    }
+    if !queries.has_ray_queries() {
+        return println!(" the adapter has none");
+    }
+    let m = Measured::of(&query_rows, &sample, &of_tree);
+    // The same rays; those that meet an edge may fall to either side.
+    assert!(m.error < 1e-3, "{} of the rays arrive elsewhere", m.error);
+    println!(" {:8.0} {:8.0}  {:.1e}", m.by_clock, m.by_cpu, m.error);
 }
 
 fn counts(context: &Arc<Context>, wanted: &Wanted) {

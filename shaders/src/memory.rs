@@ -151,7 +151,9 @@ impl SceneSize {
             hemicubes,
             channels,
         } = *shooting;
-        let light = 4 * channels * (2 * self.elements + u64::from(s::CHANNEL_WORDS));
+        let words = u64::from(s::CHANNEL_WORDS);
+        let light = 4 * channels * (2 * self.elements + words);
+        let of_step = 4 * channels * (words + u64::from(s::MOST_WATCHED));
         let buffers = [
             bytes_of::<s::ShootingParams>(),
             bytes_of::<s::ElementLight>() * self.elements,
@@ -159,7 +161,7 @@ impl SceneSize {
             bytes_of::<s::ShotView>() * hemicubes,
             // State and light are read by the CPU.
             bytes_of::<s::ShotState>(),
-            bytes_of::<s::ShotState>(),
+            bytes_of::<s::ShotState>() + of_step,
             4 * patches,
             light,
             light,

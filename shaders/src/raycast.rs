@@ -3,10 +3,12 @@
 use crate::{Shader, shader};
 use bytemuck::{Pod, Zeroable};
 
-/// Rays from a patch, counted where they arrive.
-pub const RAYCAST: Shader = shader!("raycast");
+/// Rays from a patch, counted where they arrive; they walk a tree in the shader.
+pub const RAYCAST: Shader = shader!("raycast", "rays");
+/// The same by ray queries, which not every adapter has.
+pub const RAY_QUERY: Shader = shader!("ray_query", "rays");
 
-pub(crate) const SHADERS: [Shader; 1] = [RAYCAST];
+pub(crate) const SHADERS: [Shader; 2] = [RAYCAST, RAY_QUERY];
 
 /// Where the rays of a patch begin.
 #[repr(C)]
@@ -69,6 +71,11 @@ pub struct RayTriangle {
     /// Unused.
     pub padding: u32,
 }
+
+/// Mask of the instance whose fronts receive.
+pub const RECEIVES: u32 = 1;
+/// Mask of the instance whose backs absorb.
+pub const ABSORBS: u32 = 2;
 
 /// Levels that the tree may have, at most.
 pub const STACK: u32 = 32;

@@ -102,6 +102,9 @@ pub struct ShotState {
     pub most_shots: u32,
 }
 
-/// Numbers of each channel behind the light: flux shot, flux absorbed by backs, flux escaped; the last two with what
-/// their sums have lost to rounding.
-pub const CHANNEL_WORDS: u32 = 5;
+/// Numbers of each channel behind the light: flux shot; flux absorbed by backs and flux escaped, both with what their sums
+/// have lost to rounding; flux that elements have received; flux that is unshot.
+pub const CHANNEL_WORDS: u32 = 7;
+
+/// Elements whose light may come to the CPU after every step.
+pub const MOST_WATCHED: u32 = 4;

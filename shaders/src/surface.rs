@@ -24,6 +24,8 @@ pub const SURROUNDINGS: Shader = shader!("surroundings", "environment_map");
 pub const PREFILTER: Shader = shader!("prefilter");
 /// Light of elements at vertices.
 pub const VERTEX_LIGHT: Shader = shader!("vertex_light");
+/// How bright a lit scene is.
+pub const METERING: Shader = shader!("metering");
 /// Edges of elements.
 pub const MESH_LINES: Shader = shader!("mesh_lines", "surface");
 /// Which element is where.
@@ -35,7 +37,7 @@ pub const ANTIALIAS: Shader = shader!("antialias", "tones");
 /// Illuminance as colours.
 pub const FALSECOLOUR: Shader = shader!("falsecolour", "surface");
 
-pub(crate) const SHADERS: [Shader; 12] = [
+pub(crate) const SHADERS: [Shader; 13] = [
     LIT,
     TEXTURED,
     BUMP,
@@ -43,6 +45,7 @@ pub(crate) const SHADERS: [Shader; 12] = [
     SURROUNDINGS,
     PREFILTER,
     VERTEX_LIGHT,
+    METERING,
     MESH_LINES,
     PICK,
     TONEMAP,
@@ -339,6 +342,23 @@ pub struct LightParams {
     /// Irradiance that is added everywhere; the fourth number is unused.
     pub extra: [f32; 4],
 }
+
+/// What metering needs to know.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct MeterParams {
+    /// What illuminance is of irradiance in each band.
+    pub weights: [f32; 3],
+    /// Elements.
+    pub elements: u32,
+}
+
+/// Bins of each of the histograms of metering.
+pub const METER_BINS: u32 = 1024;
+/// Bins of a stop.
+pub const METER_BINS_PER_STOP: u32 = 16;
+/// So many stops below 1 the first bin begins.
+pub const METER_STOPS_BELOW_ONE: u32 = 32;
 
 /// How edges are drawn.
 #[repr(C)]

@@ -74,13 +74,14 @@ struct ShotState {
 // Absolute unshot flux of each patch, over channels.
 @group(0) @binding(5) var<storage, read_write> unshot_of_patch: array<f32>;
 // [irradiance, unshot radiosity][channel][element], then for each channel: flux that the patch shoots; flux absorbed by
-// backs and what its sum has lost to rounding; flux escaped and what its sum has lost.
+// backs and what its sum has lost to rounding; flux escaped and what its sum has lost; flux that elements have received,
+// and what is unshot of it, when they were last tallied.
 @group(0) @binding(6) var<storage, read_write> light: array<f32>;
 
 @group(1) @binding(0) var<storage, read_write> viewpoints: array<Viewpoint>;
 @group(1) @binding(1) var<storage, read_write> sums: array<u32>;
 
-const CHANNEL_WORDS: u32 = 5u;
+const CHANNEL_WORDS: u32 = 7u;
 const SHARE: f32 = 1.0 / 2147483648.0;
 const CHOOSERS: u32 = 256u;
 
@@ -127,12 +128,18 @@ fn survey_patches(thread: u32) {
     }
 }
 
-// Absolute flux that the patch that shoots has not yet spread.
-fn in_flight() -> f32 {
+// Share of the patch that shoots whose light is not yet spread.
+fn share_in_flight() -> f32 {
     var weight = 0.0;
     for (var view = state.view + 1u; view < state.views; view++) {
         weight += views[patches[state.shooter].first_view + view].weight;
     }
+    return weight;
+}
+
+// Absolute flux that the patch that shoots has not yet spread.
+fn in_flight() -> f32 {
+    let weight = share_in_flight();
     var flux = 0.0;
     if weight > 0.0 {
         for (var channel = 0u; channel < params.channels; channel++) {
@@ -252,4 +259,38 @@ fn measure(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
         magnitude += abs(flux);
     }
     unshot_of_patch[p] = magnitude;
+}
+
+// Signed fluxes of a channel for each workgroup: received by all elements, and unshot.
+@compute @workgroup_size(256)
+fn tally(
+    @builtin(local_invocation_index) thread: u32,
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+) {
+    let channel = group.x + group.z * groups.x;
+    var received = 0.0;
+    var unshot = 0.0;
+    if channel < params.channels {
+        for (var element = thread; element < params.elements; element += CHOOSERS) {
+            let area = elements[element].area;
+            received += area * light[channel * params.elements + element];
+            unshot += area * light[unshot_at(channel, element)];
+        }
+    }
+    best[thread] = received;
+    total[thread] = unshot;
+    workgroupBarrier();
+    for (var half = CHOOSERS / 2u; half > 0u; half /= 2u) {
+        if thread < half {
+            best[thread] += best[thread + half];
+            total[thread] += total[thread + half];
+        }
+        workgroupBarrier();
+    }
+    if thread == 0u && channel < params.channels {
+        let at = channel_at(channel);
+        light[at + 5u] = best[0];
+        light[at + 6u] = total[0] + light[at] * share_in_flight();
+    }
 }

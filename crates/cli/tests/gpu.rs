@@ -62,6 +62,22 @@ mod built {
     }
 
     #[test]
+    fn adapters_tell_how_rays_are_cast() {
+        let folder = Folder::new();
+        if !has_adapter(&folder) {
+            return;
+        }
+        let told = folder.done(&["adapters"]);
+        let line = told.lines().find(|line| line.contains("rays"));
+        let line = line.expect("a line about rays");
+        assert!(line.contains("HEMICUBE_RAY_QUERIES="), "{line}");
+        let json: Value =
+            serde_json::from_str(&folder.done(&["adapters", "--json"])).expect("JSON");
+        let uses = &json["adapters"][0]["uses_ray_queries"];
+        assert!(uses.is_boolean(), "{json}");
+    }
+
+    #[test]
     fn light_is_that_of_the_cpus_hemicubes_and_goes_on() {
         let folder = Folder::new();
         if !has_adapter(&folder) {

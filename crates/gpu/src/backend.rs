@@ -66,6 +66,29 @@ impl Gpu {
         }
     }
 
+    /// Sorted shooting that keeps its light on the device, going on with a solution; none if the CPU is to do it, which was
+    /// reported.
+    ///
+    /// # Errors
+    /// The device is required and cannot do it.
+    pub fn shoot(
+        &self,
+        solution: Solution,
+        options: &SolveOptions,
+    ) -> Result<Option<GpuShooting>, RadiosityError> {
+        match GpuShooting::new(self.context.clone(), solution, options.hemicube) {
+            Ok(solver) => Ok(Some(
+                solver
+                    .with_report(self.while_at_work())
+                    .with_most_shots(options.max_steps),
+            )),
+            Err(error) => {
+                self.give_up(&error)?;
+                Ok(None)
+            }
+        }
+    }
+
     /// What to do about what the device cannot do: an error if it is required, else a report.
     fn give_up(&self, error: &GpuError) -> Result<(), RadiosityError> {
         if self.is_required {
@@ -137,18 +160,11 @@ impl Backend for Gpu {
         if order != Order::Sorted || casts_rays(options) {
             return Ok(Shooter::None(Box::new(solution)));
         }
-        let most = options.max_steps;
-        match GpuShooting::new(self.context.clone(), solution.clone(), options.hemicube) {
-            Ok(solver) => Ok(Shooter::Own(Box::new(
-                solver
-                    .with_report(self.while_at_work())
-                    .with_most_shots(most),
-            ))),
-            Err(error) => {
-                self.give_up(&error)?;
-                Ok(Shooter::None(Box::new(solution)))
-            }
-        }
+        let kept = solution.clone();
+        Ok(match self.shoot(solution, options)? {
+            Some(solver) => Shooter::Own(Box::new(solver)),
+            None => Shooter::None(Box::new(kept)),
+        })
     }
 
     fn verdict(&self) -> Result<(), RadiosityError> {

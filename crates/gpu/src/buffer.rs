@@ -4,10 +4,14 @@ use crate::context::Context;
 use crate::error::GpuError;
 use bytemuck::Pod;
 use hemicube_shaders::Shader;
+use std::time::Duration;
 use wgpu::{
     BindGroup, BindGroupLayout, BindGroupLayoutEntry, BindingResource, BindingType, Buffer,
-    BufferBindingType, BufferUsages, ComputePipeline, Device, ShaderStages,
+    BufferBindingType, BufferUsages, ComputePipeline, Device, ShaderStages, SubmissionIndex,
 };
+
+/// How long another thread may take to tell that a buffer is mapped.
+const NEWS: Duration = Duration::from_secs(5);
 
 /// A buffer that shaders read, filled now; of a lost device it is empty, and of no use.
 pub fn filled(device: &Device, label: &str, data: &[impl Pod], usage: BufferUsages) -> Buffer {
@@ -146,19 +150,25 @@ pub fn groups(invocations: u32, size: u32) -> (u32, u32) {
     (groups.div_ceil(z), z)
 }
 
-/// Waits for the device and reads the words of a mappable buffer.
-pub fn read(context: &Context, buffer: &Buffer, bytes: u64) -> Result<Vec<u32>, GpuError> {
+/// Waits for a submission and reads the words of a mappable buffer that it has filled.
+pub fn read(
+    context: &Context,
+    buffer: &Buffer,
+    bytes: u64,
+    submission: SubmissionIndex,
+) -> Result<Vec<u32>, GpuError> {
     let (send, receive) = std::sync::mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
         // The receiver is there until the result has come or the device is lost.
         let _ = send.send(result);
     });
-    context.wait()?;
+    context.wait_for(submission)?;
     let lost = |why: String| GpuError::Lost {
         adapter: context.name.clone(),
         why,
     };
-    match receive.try_recv() {
+    // Another thread that polls the device may have taken the news and not told it yet.
+    match receive.recv_timeout(NEWS) {
         Ok(Ok(())) => {}
         Ok(Err(e)) => return Err(lost(e.to_string())),
         Err(_) => return Err(lost(String::from("nothing came back"))),

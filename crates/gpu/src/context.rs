@@ -1,6 +1,7 @@
 //! Adapters and devices.
 
 use crate::error::GpuError;
+use crate::ray_queries::{RayQueries, with_ray_queries};
 use core::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{Adapter, Backends, Device, DeviceType, Features, Instance, Limits, Queue};
@@ -23,6 +24,8 @@ pub struct AdapterReport {
     pub usable: Result<(), String>,
     /// What it can do beyond that, which makes some things faster.
     pub extras: Vec<&'static str>,
+    /// Whether rays are cast by its own queries, as the environment says ([`RayQueries`]).
+    pub uses_ray_queries: bool,
     /// Largest buffer that a shader may read, in bytes.
     pub max_binding: u64,
     /// Longest side of a picture.
@@ -99,6 +102,7 @@ fn report(adapter: &Adapter) -> AdapterReport {
             .filter(|(feature, _)| features.contains(*feature))
             .map(|&(_, name)| name)
             .collect(),
+        uses_ray_queries: RayQueries::of_environment().is_ok_and(|when| when.are_used(adapter)),
         max_binding: limits.max_storage_buffer_binding_size,
         max_side: limits.max_texture_dimension_2d,
         name: info.name,
@@ -114,7 +118,36 @@ fn lack(limits: &Limits) -> Option<String> {
     lack
 }
 
-/// A device with its queue, without a window.
+/// How a device is chosen.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ContextOptions {
+    /// A part of the adapter's name, in any case. Default value: none, what the environment variable [`ADAPTER_VARIABLE`]
+    /// says, else the best adapter.
+    pub adapter: Option<String>,
+    /// When rays are cast by the adapter's own queries. Default value: none, what the environment variable
+    /// [`RAY_QUERY_VARIABLE`](crate::RAY_QUERY_VARIABLE) says, else where the adapter has circuits for them.
+    pub ray_queries: Option<RayQueries>,
+}
+
+impl ContextOptions {
+    /// The adapter whose name contains this.
+    pub fn with_adapter(self, adapter: impl Into<Option<String>>) -> Self {
+        Self {
+            adapter: adapter.into(),
+            ..self
+        }
+    }
+
+    /// When rays are cast by the adapter's own queries.
+    pub fn with_ray_queries(self, ray_queries: RayQueries) -> Self {
+        Self {
+            ray_queries: Some(ray_queries),
+            ..self
+        }
+    }
+}
+
+/// A device with its queue, of its own or that of a window.
 pub struct Context {
     /// The adapter's name, for messages.
     pub name: String,
@@ -143,7 +176,21 @@ impl Context {
     /// # Errors
     /// No adapter fits, or its driver gives no device.
     pub fn headless(wanted: Option<&str>) -> Result<Self, GpuError> {
-        Self::headless_within(wanted, |limits| limits)
+        let options = ContextOptions::default().with_adapter(wanted.map(str::to_owned));
+        Self::with_options(&options)
+    }
+
+    /// A device that was chosen by options.
+    ///
+    /// # Errors
+    /// No adapter fits, or its driver gives no device; the environment says nothing that is known.
+    pub fn with_options(options: &ContextOptions) -> Result<Self, GpuError> {
+        let when = match options.ray_queries {
+            Some(when) => when,
+            None => RayQueries::of_environment()?,
+        };
+        let adapter = best(options.adapter.as_deref())?;
+        Self::open(&adapter, adapter.limits(), when)
     }
 
     /// As [`Self::headless`], with the limits that `lower` makes of the adapter's: to see how a scene fares on a smaller
@@ -155,38 +202,47 @@ impl Context {
         wanted: Option<&str>,
         lower: impl FnOnce(Limits) -> Limits,
     ) -> Result<Self, GpuError> {
-        let variable = std::env::var(ADAPTER_VARIABLE)
-            .ok()
-            .filter(|name| !name.is_empty());
-        let wanted = wanted.map(str::to_owned).or(variable);
-        let instance = instance();
-        let mut all = adapters_of(&instance);
-        all.sort_by_key(rank);
-        let adapter = choose(&all, wanted.as_deref())?;
-        Self::open(&adapter, lower(adapter.limits()))
+        let adapter = best(wanted)?;
+        let when = RayQueries::of_environment()?;
+        Self::open(&adapter, lower(adapter.limits()), when)
     }
 
     /// A device of an adapter that the caller has chosen, for example one that can draw into a window.
     ///
     /// # Errors
-    /// The driver gives no device.
+    /// The driver gives no device; the environment says nothing that is known.
     pub fn of_adapter(adapter: &Adapter) -> Result<Self, GpuError> {
-        // All that the adapter has: scenes are as large as they are.
-        Self::open(adapter, adapter.limits())
+        Self::open(adapter, adapter.limits(), RayQueries::of_environment()?)
     }
 
-    fn open(adapter: &Adapter, required_limits: Limits) -> Result<Self, GpuError> {
-        let name = adapter.get_info().name;
-        // Ray queries are an experiment that has to be asked for in unsafe code.
-        let optional = EXTRAS[..3]
+    /// How a device is asked for: with all that the adapter has, because scenes are as large as they are. For those who
+    /// make devices themselves and hand them to [`Self::from_wgpu`]. Ray queries are left out.
+    pub fn descriptor(adapter: &Adapter) -> wgpu::DeviceDescriptor<'static> {
+        let optional = EXTRAS
             .iter()
             .fold(Features::empty(), |all, (feature, _)| all | *feature);
-        let descriptor = wgpu::DeviceDescriptor {
+        let optional = optional - Features::EXPERIMENTAL_RAY_QUERY;
+        wgpu::DeviceDescriptor {
             label: Some("hemicube"),
             required_features: adapter.features() & optional,
-            required_limits,
+            required_limits: adapter.limits(),
             ..Default::default()
+        }
+    }
+
+    fn open(
+        adapter: &Adapter,
+        required_limits: Limits,
+        ray_queries: RayQueries,
+    ) -> Result<Self, GpuError> {
+        let name = adapter.get_info().name;
+        let mut descriptor = wgpu::DeviceDescriptor {
+            required_limits,
+            ..Self::descriptor(adapter)
         };
+        if ray_queries.are_used(adapter) {
+            descriptor = with_ray_queries(descriptor);
+        }
         let (device, queue) =
             pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| {
                 GpuError::NoDevice {
@@ -227,6 +283,12 @@ impl Context {
             limits,
             failure,
         })
+    }
+
+    /// Whether rays are cast by the adapter's own queries.
+    pub fn has_ray_queries(&self) -> bool {
+        let features = self.device.features();
+        features.contains(Features::EXPERIMENTAL_RAY_QUERY)
     }
 
     /// What went wrong since the device was made; it stays so.
@@ -282,7 +344,22 @@ impl Context {
     /// # Errors
     /// The device was lost or its memory ran out.
     pub fn wait(&self) -> Result<(), GpuError> {
-        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.poll(wgpu::PollType::wait_indefinitely())
+    }
+
+    /// Waits until a submission is done; what others have submitted after it may go on.
+    ///
+    /// # Errors
+    /// The device was lost or its memory ran out.
+    pub fn wait_for(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
+        self.poll(wgpu::PollType::Wait {
+            submission_index: Some(submission),
+            timeout: None,
+        })
+    }
+
+    fn poll(&self, until: wgpu::PollType) -> Result<(), GpuError> {
+        let polled = self.device.poll(until);
         match (self.failure(), polled) {
             (Some(failure), _) => Err(failure),
             (None, Err(e)) => Err(GpuError::Lost {
@@ -308,6 +385,17 @@ impl Context {
             allowed: format!("{allowed} {unit}"),
         })
     }
+}
+
+/// The adapter whose name contains `wanted`, else what the environment says, or the best.
+fn best(wanted: Option<&str>) -> Result<Adapter, GpuError> {
+    let variable = std::env::var(ADAPTER_VARIABLE)
+        .ok()
+        .filter(|name| !name.is_empty());
+    let wanted = wanted.map(str::to_owned).or(variable);
+    let mut all = adapters_of(&instance());
+    all.sort_by_key(rank);
+    choose(&all, wanted.as_deref())
 }
 
 /// The adapter whose name contains `wanted`, or the first that can be used.

@@ -186,8 +186,8 @@ impl GpuHemicube {
             self.pass
                 .encode(&mut encoder, &self.geometry, &batch, n, Some(&probe));
             probe.resolve(&mut encoder);
-            self.context.queue.submit([encoder.finish()]);
-            counts.add(&probe, &self.context)?;
+            let submission = self.context.queue.submit([encoder.finish()]);
+            counts.add(&probe, &self.context, submission)?;
             counts.hemicubes += u64::from(n);
             counts.bytes += u64::from(n) * counts::bytes(&self.geometry);
             counts.read_back += batch.sum_bytes(views.len());
@@ -207,8 +207,8 @@ impl GpuHemicube {
             self.pass
                 .encode(&mut encoder, &self.geometry, &batch, n, None);
             batch.copy_sums(&mut encoder, views.len());
-            self.context.queue.submit([encoder.finish()]);
-            sums.extend(batch.read_sums(&self.context, views.len())?);
+            let submission = self.context.queue.submit([encoder.finish()]);
+            sums.extend(batch.read_sums(&self.context, views.len(), submission)?);
         }
         Ok(sums)
     }

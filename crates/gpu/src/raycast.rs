@@ -1,7 +1,11 @@
 //! Form factors by casting rays in compute shaders: twin of the shots of `radiosity/src/form_factor/raycast.rs`.
 //!
-//! No extension for ray queries is needed: the shader walks the eight-wide compressed tree that `obvhs` builds over the
-//! elements.
+//! Where the adapter has ray queries and the [`Context`] uses them, they find what rays meet; else the shader walks the
+//! eight-wide compressed tree that `obvhs` builds over the elements.
+
+mod met;
+mod query;
+mod tree;
 
 use crate::backend::Report;
 use crate::buffer::{bind, compute, empty, filled, layout, module, read, storage, uniform};
@@ -9,19 +13,19 @@ use crate::context::Context;
 use crate::error::GpuError;
 use crate::hemicube::{compute_pass, count};
 use core::fmt;
-use glam::{Vec3, Vec3A};
 use hemicube_radiosity::form_factor::{FormFactors, RayCast, RayCastOptions, Row};
-use hemicube_radiosity::patch::face::Side;
-use hemicube_radiosity::patch::{NodeId, NodeKind, PatchMesh};
+use hemicube_radiosity::patch::{NodeId, PatchMesh};
 use hemicube_radiosity::sampling::hash;
+use hemicube_shaders::Shader;
 use hemicube_shaders::raycast as twins;
-use obvhs::BvhBuildParams;
-use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::builder::build_cwbvh;
-use obvhs::triangle::Triangle;
+use met::triangles;
+use query::Queries;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::time::Duration;
-use wgpu::{BindGroupLayout, Buffer, BufferUsages, ComputePipeline, ShaderStages};
+use tree::Tree;
+use wgpu::{
+    BindGroupLayout, BindingResource, BindingType, Buffer, BufferUsages, ComputePipeline,
+    ShaderStages,
+};
 
 /// Rays of one dispatch, a multiple of a workgroup's 64: more would take some drivers too long.
 const DISPATCH: u32 = 1 << 18;
@@ -37,8 +41,7 @@ pub struct GpuRayCast {
     seed: u64,
     layout: BindGroupLayout,
     shoot: ComputePipeline,
-    nodes: Buffer,
-    triangles: Buffer,
+    obstacles: Obstacles,
     /// One row at a time.
     counts: Mutex<Counts>,
     failure: OnceLock<GpuError>,
@@ -54,6 +57,45 @@ impl fmt::Debug for GpuRayCast {
     }
 }
 
+/// What rays meet, for one of the shaders.
+#[derive(Debug)]
+enum Obstacles {
+    Tree(Tree),
+    Queries(Queries),
+}
+
+impl Obstacles {
+    fn new(context: &Context, mesh: &PatchMesh) -> Result<Self, GpuError> {
+        let triangles = triangles(mesh);
+        if context.has_ray_queries() {
+            return Queries::new(context, &triangles, mesh.elements().len()).map(Self::Queries);
+        }
+        Tree::new(context, &triangles).map(Self::Tree)
+    }
+
+    fn shader(&self) -> &'static Shader {
+        match self {
+            Self::Tree(_) => &twins::RAYCAST,
+            Self::Queries(_) => &twins::RAY_QUERY,
+        }
+    }
+
+    /// What is bound in the middle of what both shaders share.
+    fn types(&self) -> [BindingType; 2] {
+        match self {
+            Self::Tree(_) => [storage(true), storage(true)],
+            Self::Queries(_) => [Queries::TREE, storage(true)],
+        }
+    }
+
+    fn bindings(&self) -> [BindingResource<'_>; 2] {
+        match self {
+            Self::Tree(tree) => tree.bindings(),
+            Self::Queries(queries) => queries.bindings(),
+        }
+    }
+}
+
 /// Where hits are counted, and where the CPU reads them.
 #[derive(Debug)]
 struct Counts {
@@ -65,23 +107,16 @@ impl GpuRayCast {
     /// Factors between the nodes of a mesh.
     ///
     /// # Errors
-    /// A mesh that does not fit the adapter's limits.
+    /// A mesh that does not fit the adapter's limits or its memory.
     pub fn new(
         context: Arc<Context>,
         mesh: Arc<PatchMesh>,
         options: RayCastOptions,
     ) -> Result<Self, GpuError> {
         let device = &context.device;
-        let (tree, triangles) = tree(&mesh);
-        let largest = context.limits.max_storage_buffer_binding_size;
-        context.allow(
-            "elements",
-            size_of_val(&*triangles) as u64,
-            largest,
-            "bytes",
-        )?;
-        let (reads, writes) = (storage(true), storage(false));
-        let types = [uniform(false), reads, reads, reads, writes];
+        let obstacles = context.guard(|| Obstacles::new(&context, &mesh))?;
+        let [first, second] = obstacles.types();
+        let types = [uniform(false), storage(true), first, second, storage(false)];
         let layout = layout(device, "ray casting", ShaderStages::COMPUTE, &types);
         let bytes = (mesh.elements().len() as u64 + 2) * 4;
         let copied = BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
@@ -94,16 +129,10 @@ impl GpuRayCast {
                 BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             ),
         };
-        let words: &[u8] = bytemuck::cast_slice(&tree.nodes);
+        let shader = module(device, obstacles.shader());
         let new = Self {
-            shoot: compute(
-                device,
-                &module(device, &twins::RAYCAST),
-                "shoot",
-                &[&layout],
-            ),
-            nodes: filled(device, "tree", words, BufferUsages::STORAGE),
-            triangles: filled(device, "triangles", &triangles, BufferUsages::STORAGE),
+            shoot: compute(device, &shader, "shoot", &[&layout]),
+            obstacles,
             is_layered: mesh.transmittance().iter().any(|t| !t.is_black()),
             seed: options.seed,
             cpu: RayCast::new(mesh, options),
@@ -148,13 +177,15 @@ impl GpuRayCast {
         for first_ray in (0..rays).step_by(DISPATCH as usize) {
             let params = self.params(source, rays, first_ray, parts.len());
             let params = filled(device, "rays", &[params], BufferUsages::UNIFORM);
-            let buffers = [&params, &part_buffer, &self.nodes, &self.triangles, counts];
-            let group = bind(
-                device,
-                "rays",
-                &self.layout,
-                &buffers.map(Buffer::as_entire_binding),
-            );
+            let [first, second] = self.obstacles.bindings();
+            let resources = [
+                params.as_entire_binding(),
+                part_buffer.as_entire_binding(),
+                first,
+                second,
+                counts.as_entire_binding(),
+            ];
+            let group = bind(device, "rays", &self.layout, &resources);
             let mut pass = compute_pass(&mut encoder, "rays");
             pass.set_pipeline(&self.shoot);
             pass.set_bind_group(0, &group, &[]);
@@ -162,8 +193,8 @@ impl GpuRayCast {
         }
         let bytes = (self.mesh().elements().len() as u64 + 2) * 4;
         encoder.copy_buffer_to_buffer(counts, 0, to_read, 0, bytes);
-        self.context.queue.submit([encoder.finish()]);
-        read(&self.context, to_read, bytes)
+        let submission = self.context.queue.submit([encoder.finish()]);
+        read(&self.context, to_read, bytes, submission)
     }
 
     fn params(&self, source: NodeId, rays: u32, first_ray: u32, parts: usize) -> twins::RayParams {
@@ -285,64 +316,4 @@ impl GpuRayCast {
         row.absorbed = [share(absorbed); 3];
         row.escaped = [share(hits[elements + 1]); 3];
     }
-}
-
-/// The tree over all elements and obstructions, and their triangles in its order.
-fn tree(mesh: &PatchMesh) -> (CwBvh, Vec<twins::RayTriangle>) {
-    let mut triangles = Vec::new();
-    let mut add = |corners: &[Vec3], element: u32, both_sides: bool| {
-        for k in 1..corners.len() - 1 {
-            let [a, b, c] = [0, k, k + 1].map(|i| corners[i].to_array());
-            let both_sides = u32::from(both_sides);
-            triangles.push(twins::RayTriangle {
-                a,
-                element,
-                b,
-                both_sides,
-                c,
-                padding: 0,
-            });
-        }
-    };
-    for (e, &id) in mesh.elements().iter().enumerate() {
-        let NodeKind::Surface { face, .. } = mesh.node(id).kind else {
-            unreachable!("elements are surfaces")
-        };
-        let both = mesh.visibility().receives(face as usize, Side::Back);
-        let polygon = mesh.polygon(id);
-        // Triangles turn counter-clockwise around the element's own normal.
-        let (first, second) = (polygon[1] - polygon[0], polygon[2] - polygon[0]);
-        let turns = first.cross(second).dot(mesh.node(id).normal) >= 0.0;
-        let mut corners = polygon.to_vec();
-        if !turns {
-            corners.reverse();
-        }
-        add(&corners, count(e), both);
-    }
-    for (_, cell) in mesh.obstructions() {
-        let corners: Vec<Vec3> = cell
-            .corners()
-            .iter()
-            .map(|&c| mesh.vertices()[c as usize])
-            .collect();
-        add(&corners, count(mesh.elements().len()), false);
-    }
-    let boxes: Vec<Triangle> = triangles
-        .iter()
-        .map(|t| {
-            let [v0, v1, v2] = [t.a, t.b, t.c].map(Vec3A::from);
-            Triangle { v0, v1, v2 }
-        })
-        .collect();
-    let tree = build_cwbvh(
-        &boxes,
-        BvhBuildParams::medium_build(),
-        &mut Duration::default(),
-    );
-    let sorted = tree
-        .primitive_indices
-        .iter()
-        .map(|&i| triangles[i as usize])
-        .collect();
-    (tree, sorted)
 }

@@ -1,20 +1,27 @@
 //! Sorted shooting with all its state on the device: twin of `radiosity/src/solve/shooting.rs`.
 //!
 //! Light, geometry and the choice of the next patch stay in GPU buffers; a step is one submission of several hemicubes,
-//! after which only eight numbers come back. [`GpuShooting::settle`] brings the light to the CPU when somebody wants to
-//! see it.
+//! after which a few numbers come back: where the solver is, sums of each channel, and the light of elements that somebody
+//! [watches](GpuShooting::watch). [`GpuShooting::settle`] brings the light to the CPU when somebody wants to have it there;
+//! [`GpuShooting::light`] is what pictures on the same device are made of meanwhile.
+
+mod device;
+mod light;
+
+pub use light::{ChannelFlux, DeviceLight};
 
 use crate::backend::Report;
-use crate::buffer::{bind, compute, empty, filled, groups, layout, module, read, storage, uniform};
+use crate::buffer::read;
 use crate::context::Context;
 use crate::error::GpuError;
-use crate::hemicube::{Batch, Geometry, HemicubePass, compute_pass, count};
+use crate::hemicube::count;
+use device::OnDevice;
 use hemicube_radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
-use hemicube_radiosity::solution::BANDS;
 use hemicube_radiosity::{Progress, Solution, Solver};
 use hemicube_shaders::shooting as twins;
 use std::sync::Arc;
-use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, ShaderStages};
+use std::time::{Duration, Instant};
+use wgpu::CommandEncoder;
 
 /// Hemicubes of a submission unless something else is asked for: enough that waiting for the device between submissions
 /// costs nothing, few enough that somebody who waits for the next one does not notice.
@@ -28,9 +35,22 @@ pub struct GpuShooting {
     context: Arc<Context>,
     solution: Solution,
     hemicubes_per_step: u32,
+    /// How long a step may take, if that matters.
+    step_time: Option<Duration>,
     /// No patch begins to shoot after so many.
     most_shots: u32,
     submissions: u64,
+    /// Bytes that came to the CPU after steps, and with light.
+    step_bytes: u64,
+    light_bytes: u64,
+    /// Elements whose light comes after every step.
+    watched: Vec<u32>,
+    /// The light of each of them, by channel.
+    seen: Vec<Vec<f32>>,
+    /// Sums of each channel after the last step.
+    fluxes: Vec<ChannelFlux>,
+    /// Whether the solution lags behind the device.
+    is_ahead: bool,
     emitted: f64,
     /// Steps of the solution before this solver took it over.
     steps_before: u64,
@@ -38,26 +58,6 @@ pub struct GpuShooting {
     failure: Option<GpuError>,
     report: Option<Report>,
     device: OnDevice,
-}
-
-/// What lies on the device.
-struct OnDevice {
-    hemicube: HemicubePass,
-    geometry: Geometry,
-    batch: Batch,
-    params: twins::ShootingParams,
-    choose: ComputePipeline,
-    spread: ComputePipeline,
-    measure: ComputePipeline,
-    survey: ComputePipeline,
-    shooting: BindGroup,
-    seen: BindGroup,
-    state: Buffer,
-    light: Buffer,
-    read_state: Buffer,
-    read_light: Buffer,
-    /// Of the buffers that shooting itself needs.
-    bytes: u64,
 }
 
 impl GpuShooting {
@@ -77,8 +77,15 @@ impl GpuShooting {
             emitted: solution.reference_flux(),
             steps_before: solution.provenance.steps,
             hemicubes_per_step: HEMICUBES_PER_STEP,
+            step_time: None,
             most_shots: u32::MAX,
             submissions: 0,
+            step_bytes: 0,
+            light_bytes: 0,
+            watched: Vec::new(),
+            seen: Vec::new(),
+            fluxes: Vec::new(),
+            is_ahead: false,
             state: bytemuck::Zeroable::zeroed(),
             failure: None,
             report: None,
@@ -94,6 +101,16 @@ impl GpuShooting {
     pub fn with_hemicubes_per_step(self, hemicubes_per_step: u32) -> Self {
         Self {
             hemicubes_per_step: hemicubes_per_step.max(1),
+            ..self
+        }
+    }
+
+    /// As many hemicubes in a step as fit into so much time on the clock, at least one and at most 32: for windows that
+    /// draw on the same device, whose pictures wait behind a step. The first step has one.
+    pub fn with_step_time(self, step_time: Duration) -> Self {
+        Self {
+            hemicubes_per_step: 1,
+            step_time: Some(step_time),
             ..self
         }
     }
@@ -117,9 +134,54 @@ impl GpuShooting {
         self.failure.as_ref()
     }
 
-    /// Light as it lies on the device: `[group][band][element]` irradiance, then what only this solver understands.
-    pub(crate) fn light(&self) -> &Buffer {
-        &self.device.light
+    /// The light where it lies, for pictures on the same device.
+    pub fn light(&self) -> DeviceLight {
+        let mesh = self.solution.mesh();
+        let (elements, groups) = (mesh.elements().len(), self.solution.groups().len());
+        let buffer = self.device.light.clone();
+        DeviceLight::new(self.context.clone(), buffer, elements, groups)
+    }
+
+    /// From the next step on the light of these elements, the first four of them, comes to the CPU.
+    pub fn watch(&mut self, elements: impl IntoIterator<Item = usize>) {
+        let known = self.solution.mesh().elements().len();
+        let elements = elements.into_iter().filter(|&e| e < known);
+        let elements: Vec<u32> = elements
+            .take(twins::MOST_WATCHED as usize)
+            .map(count)
+            .collect();
+        if elements != self.watched {
+            self.watched = elements;
+            // What came for others would be taken for theirs.
+            self.seen.clear();
+        }
+    }
+
+    /// Elements that are watched, and the irradiance of each after the last step: `[group * 3 + band]`, undimmed. Empty
+    /// before a step.
+    pub fn watched(&self) -> impl Iterator<Item = (usize, &[f32])> {
+        let elements = self.watched.iter().map(|&e| e as usize);
+        elements.zip(self.seen.iter().map(Vec::as_slice))
+    }
+
+    /// Sums of each channel after the last step: `[group * 3 + band]`, undimmed.
+    pub fn fluxes(&self) -> &[ChannelFlux] {
+        &self.fluxes
+    }
+
+    /// Whether steps were done since the light came to the CPU.
+    pub fn is_ahead(&self) -> bool {
+        self.is_ahead
+    }
+
+    /// Bytes that came to the CPU after steps: progress, sums, and what is watched.
+    pub fn step_bytes(&self) -> u64 {
+        self.step_bytes
+    }
+
+    /// Bytes that came to the CPU because somebody wanted to have the light there.
+    pub fn light_bytes(&self) -> u64 {
+        self.light_bytes
     }
 
     /// Submissions so far, those that bring light to the CPU left out.
@@ -140,21 +202,33 @@ impl GpuShooting {
     /// Submits so many hemicubes and reads the state after them.
     fn submit(&mut self, hemicubes: u32) -> Result<(), GpuError> {
         self.context.check()?;
-        let device = &self.device;
-        let descriptor = wgpu::CommandEncoderDescriptor {
-            label: Some("shooting"),
-        };
-        let mut encoder = self.context.device.create_command_encoder(&descriptor);
-        device.rounds(&mut encoder, hemicubes);
-        device.run(&mut encoder, &device.survey, (1, 1));
-        let bytes = size_of::<twins::ShotState>() as u64;
-        encoder.copy_buffer_to_buffer(&device.state, 0, &device.read_state, 0, bytes);
-        self.context.queue.submit([encoder.finish()]);
-        let words = read(&self.context, &device.read_state, bytes)?;
-        self.state = *bytemuck::from_bytes(bytemuck::cast_slice(&words));
-        self.solution.provenance.steps = self.steps_before + u64::from(self.state.shots);
+        let mut encoder = self.encoder("shooting");
+        self.device.rounds(&mut encoder, hemicubes);
+        let bytes = self.device.copy_step(&mut encoder, &self.watched);
+        let submission = self.context.queue.submit([encoder.finish()]);
+        let words = read(&self.context, &self.device.read_step, bytes, submission)?;
+        self.take_step(&words);
+        self.step_bytes += bytes;
         self.submissions += 1;
         Ok(())
+    }
+
+    /// Takes over what came after a step.
+    fn take_step(&mut self, words: &[u32]) {
+        let (state, rest) = words.split_at(size_of::<twins::ShotState>() / 4);
+        self.state = *bytemuck::from_bytes(bytemuck::cast_slice(state));
+        let channels = self.device.params.channels as usize;
+        let numbers: &[f32] = bytemuck::cast_slice(rest);
+        let (of_channels, of_watched) = numbers.split_at(channels * twins::CHANNEL_WORDS as usize);
+        let of_channels = of_channels.chunks(twins::CHANNEL_WORDS as usize);
+        self.fluxes = of_channels.map(ChannelFlux::of_words).collect();
+        self.seen = of_watched.chunks(channels).map(<[f32]>::to_vec).collect();
+        self.solution.provenance.steps = self.steps_before + u64::from(self.state.shots);
+    }
+
+    fn encoder(&self, label: &str) -> CommandEncoder {
+        let descriptor = wgpu::CommandEncoderDescriptor { label: Some(label) };
+        self.context.device.create_command_encoder(&descriptor)
     }
 
     /// From now on no patch begins to shoot after so many.
@@ -168,7 +242,13 @@ impl GpuShooting {
 
     fn shoot(&mut self) -> Result<(), GpuError> {
         self.bound(self.most_shots);
-        self.submit(self.hemicubes_per_step)
+        self.is_ahead = true;
+        let begin = Instant::now();
+        self.submit(self.hemicubes_per_step)?;
+        if let Some(wanted) = self.step_time {
+            self.hemicubes_per_step = paced(self.hemicubes_per_step, begin.elapsed(), wanted);
+        }
+        Ok(())
     }
 
     /// The patch that shoots ends its shot, so that all light is either unshot or has arrived.
@@ -183,35 +263,38 @@ impl GpuShooting {
 
     fn fetch(&mut self) -> Result<(), GpuError> {
         self.end_shot()?;
-        let device = &self.device;
-        let bytes = device.read_light.size();
-        let descriptor = wgpu::CommandEncoderDescriptor {
-            label: Some("light to the CPU"),
-        };
-        let mut encoder = self.context.device.create_command_encoder(&descriptor);
-        encoder.copy_buffer_to_buffer(&device.light, 0, &device.read_light, 0, bytes);
-        self.context.queue.submit([encoder.finish()]);
-        let words = read(&self.context, &device.read_light, bytes)?;
-        let light: &[f32] = bytemuck::cast_slice(&words);
-        let channels = device.params.channels as usize;
-        let values = channels * device.params.elements as usize;
+        let bytes = self.device.read_light.size();
+        let mut encoder = self.encoder("light to the CPU");
+        let (from, to) = (&self.device.light, &self.device.read_light);
+        encoder.copy_buffer_to_buffer(from, 0, to, 0, bytes);
+        let submission = self.context.queue.submit([encoder.finish()]);
+        let words = read(&self.context, to, bytes, submission)?;
+        self.take_light(bytemuck::cast_slice(&words));
+        self.light_bytes += bytes;
+        self.is_ahead = false;
+        Ok(())
+    }
+
+    /// Takes over all light; what was lost on the way is booked then, and forgotten on the device.
+    fn take_light(&mut self, light: &[f32]) {
+        let channels = self.device.params.channels as usize;
+        let values = channels * self.device.params.elements as usize;
         let (irradiance, rest) = light.split_at(values);
         let (unshot, rest) = rest.split_at(values);
-        let words = twins::CHANNEL_WORDS as usize;
-        let lost = |at: usize| -> Vec<f64> {
-            rest.chunks(words)
-                .map(|c| f64::from(c[at]) - f64::from(c[at + 1]))
-                .collect()
-        };
+        let rest = &rest[..channels * twins::CHANNEL_WORDS as usize];
+        let words = rest.chunks(twins::CHANNEL_WORDS as usize);
+        let fluxes: Vec<ChannelFlux> = words.map(ChannelFlux::of_words).collect();
+        let lost = |of: fn(&ChannelFlux) -> f64| -> Vec<f64> { fluxes.iter().map(of).collect() };
+        let (backs, escaped) = (lost(|flux| flux.backs), lost(|flux| flux.escaped));
         self.solution
-            .replace_light(irradiance, unshot, &lost(1), &lost(3));
-        // They are booked.
-        let zeros = vec![0.0_f32; channels * words];
-        let offset = (2 * values * 4) as u64;
-        self.context
-            .queue
-            .write_buffer(&device.light, offset, bytemuck::cast_slice(&zeros));
-        Ok(())
+            .replace_light(irradiance, unshot, &backs, &escaped);
+        let zeros = vec![0.0_f32; rest.len()];
+        let zeros = bytemuck::cast_slice(&zeros);
+        let queue = &self.context.queue;
+        queue.write_buffer(&self.device.light, (2 * values * 4) as u64, zeros);
+        for flux in &mut self.fluxes {
+            (flux.backs, flux.escaped) = (0.0, 0.0);
+        }
     }
 
     fn keep(&mut self, result: Result<(), GpuError>) {
@@ -251,8 +334,10 @@ impl Solver for GpuShooting {
     }
 
     fn settle(&mut self) {
-        let fetched = self.fetch();
-        self.keep(fetched);
+        if self.is_ahead && self.failure.is_none() {
+            let fetched = self.fetch();
+            self.keep(fetched);
+        }
     }
 
     fn solution(&self) -> &Solution {
@@ -265,179 +350,38 @@ impl Solver for GpuShooting {
     }
 }
 
-impl OnDevice {
-    fn new(context: &Context, solution: &Solution, cpu: &Hemicube) -> Result<Self, GpuError> {
-        let device = &context.device;
-        let mesh = solution.mesh();
-        let geometry = Geometry::new(context, cpu)?;
-        let hemicube = HemicubePass::new(context, geometry.layers > 1);
-        let batch = Batch::new(context, &hemicube, &geometry, 1)?;
-        let params = twins::ShootingParams {
-            elements: count(mesh.elements().len()),
-            patches: count(mesh.patches().len()),
-            channels: count(solution.groups().len() * BANDS),
-            bands: count(usize::try_from(geometry.size.bands()).expect("one or three")),
-            farthest: mesh.visibility().diameter(),
-            padding_0: 0,
-            padding_1: 0,
-            padding_2: 0,
+/// Hemicubes of the next step, if so many took so long and a step is to take `wanted`. It grows to twice as many at most:
+/// one step may have been quick because others left the device alone.
+fn paced(hemicubes: u32, took: Duration, wanted: Duration) -> u32 {
+    let fits = wanted.as_secs_f64() / took.as_secs_f64().max(1e-6);
+    let next = f64::from(hemicubes) * fits.min(2.0);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 1 and 32"
+    )]
+    let next = next.clamp(1.0, f64::from(HEMICUBES_PER_STEP)) as u32;
+    next
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_become_as_long_as_they_may_be() {
+        let after = |each: f64, wanted: f64| {
+            let mut hemicubes = 1;
+            for _ in 0..20 {
+                let took = Duration::from_secs_f64(each * f64::from(hemicubes));
+                hemicubes = paced(hemicubes, took, Duration::from_secs_f64(wanted));
+            }
+            hemicubes
         };
-        let start = light(solution);
-        let largest = context.limits.max_storage_buffer_binding_size;
-        context.allow(
-            "elements in all light groups",
-            (start.len() * 4) as u64,
-            largest,
-            "bytes",
-        )?;
-        let (patches, views) = patches(cpu);
-        context.allow("hemicubes", size_of_val(&*views) as u64, largest, "bytes")?;
-        let storage_from = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let to_read = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-        let state_bytes = size_of::<twins::ShotState>() as u64;
-        let light = filled(device, "light", &start, storage_from);
-        let state = empty(device, "shooting state", state_bytes, storage_from);
-        let buffers = [
-            filled(
-                device,
-                "shooting parameters",
-                &[params],
-                BufferUsages::UNIFORM,
-            ),
-            filled(
-                device,
-                "elements",
-                &elements(solution),
-                BufferUsages::STORAGE,
-            ),
-            filled(device, "patches", &patches, BufferUsages::STORAGE),
-            filled(device, "hemicubes", &views, BufferUsages::STORAGE),
-            state.clone(),
-            empty(
-                device,
-                "unshot of patches",
-                4 * u64::from(params.patches),
-                BufferUsages::STORAGE,
-            ),
-            light.clone(),
-        ];
-        let (reads, writes) = (storage(true), storage(false));
-        let shooting_layout = layout(
-            device,
-            "shooting",
-            ShaderStages::COMPUTE,
-            &[uniform(false), reads, reads, reads, writes, writes, writes],
-        );
-        let seen_layout = layout(device, "seen", ShaderStages::COMPUTE, &[writes, writes]);
-        let shader = module(device, &twins::SHOOTING);
-        let pipeline = |name| compute(device, &shader, name, &[&shooting_layout, &seen_layout]);
-        let bindings = buffers.each_ref().map(Buffer::as_entire_binding);
-        let seen = [&batch.viewpoints, &batch.sums].map(Buffer::as_entire_binding);
-        let on_device = Self {
-            choose: pipeline("choose"),
-            spread: pipeline("spread"),
-            measure: pipeline("measure"),
-            survey: pipeline("survey"),
-            shooting: bind(device, "shooting", &shooting_layout, &bindings),
-            seen: bind(device, "seen", &seen_layout, &seen),
-            read_state: empty(device, "state to read", state_bytes, to_read),
-            read_light: empty(device, "light to read", light.size(), to_read),
-            bytes: buffers.iter().map(Buffer::size).sum(),
-            hemicube,
-            geometry,
-            batch,
-            params,
-            state,
-            light,
-        };
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        on_device.run(&mut encoder, &on_device.measure, groups(params.patches, 64));
-        context.queue.submit([encoder.finish()]);
-        Ok(on_device)
+        assert_eq!(after(1e-3, 8e-3), 8, "as many as fit");
+        assert_eq!(after(1e-5, 8e-3), HEMICUBES_PER_STEP, "no more than that");
+        assert_eq!(after(1.0, 8e-3), 1, "one at least");
+        let quick = paced(4, Duration::ZERO, Duration::from_millis(8));
+        assert_eq!(quick, 8, "twice as many at most");
     }
-
-    fn run(&self, encoder: &mut CommandEncoder, pipeline: &ComputePipeline, (x, z): (u32, u32)) {
-        let mut pass = compute_pass(encoder, "shooting");
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &self.shooting, &[]);
-        pass.set_bind_group(1, &self.seen, &[]);
-        pass.dispatch_workgroups(x, 1, z);
-    }
-
-    /// So many hemicubes, one after the other.
-    fn rounds(&self, encoder: &mut CommandEncoder, hemicubes: u32) {
-        for _ in 0..hemicubes {
-            self.run(encoder, &self.choose, (1, 1));
-            self.hemicube
-                .encode(encoder, &self.geometry, &self.batch, 1, None);
-            self.run(
-                encoder,
-                &self.spread,
-                groups(self.params.elements.max(self.params.channels), 64),
-            );
-            self.run(encoder, &self.measure, groups(self.params.patches, 64));
-        }
-    }
-
-    fn bytes(&self) -> u64 {
-        let own = self.bytes + self.read_state.size() + self.read_light.size();
-        own + self.geometry.bytes() + self.batch.bytes()
-    }
-}
-
-/// Light as the shader keeps it, see `shooting.wgsl`.
-fn light(solution: &Solution) -> Vec<f32> {
-    let channels =
-        || (0..solution.groups().len()).flat_map(|g| (0..BANDS).map(move |band| (g, band)));
-    let irradiance = channels().flat_map(|(g, band)| solution.irradiance(g, band));
-    let unshot = channels().flat_map(|(g, band)| solution.unshot(g, band));
-    let rest = channels().count() * twins::CHANNEL_WORDS as usize;
-    irradiance
-        .chain(unshot)
-        .copied()
-        .chain(core::iter::repeat_n(0.0, rest))
-        .collect()
-}
-
-fn elements(solution: &Solution) -> Vec<twins::ElementLight> {
-    let mesh = solution.mesh();
-    let element = |e: usize| {
-        let area = mesh.exposed_area(e);
-        twins::ElementLight {
-            area,
-            inverse_area: if area > 0.0 { 1.0 / area } else { 0.0 },
-            padding_0: 0,
-            padding_1: 0,
-            reflectance: mesh.reflectance()[e].to_array(),
-            padding_2: 0,
-        }
-    };
-    (0..mesh.elements().len()).map(element).collect()
-}
-
-/// Patches, and where the hemicubes of all of them stand.
-fn patches(cpu: &Hemicube) -> (Vec<twins::ShootingPatch>, Vec<twins::ShotView>) {
-    use hemicube_radiosity::form_factor::FormFactors;
-    let mesh = cpu.mesh();
-    let (mut patches, mut all) = (Vec::new(), Vec::new());
-    for (p, &id) in mesh.patches().iter().enumerate() {
-        let elements = mesh.elements_of_patch(p);
-        let first_view = count(all.len());
-        #[expect(clippy::cast_possible_truncation, reason = "weights are kept in f32")]
-        all.extend(cpu.viewpoints(id).iter().map(|view| twins::ShotView {
-            origin: view.origin.to_array(),
-            weight: view.weight as f32,
-            tangent: view.axes[0].to_array(),
-            least_near: mesh.visibility().offset(view.origin),
-        }));
-        patches.push(twins::ShootingPatch {
-            first_element: count(elements.start),
-            elements: count(elements.len()),
-            first_view,
-            views: count(all.len()) - first_view,
-            normal: mesh.node(id).normal.to_array(),
-            padding: 0,
-        });
-    }
-    (patches, all)
 }

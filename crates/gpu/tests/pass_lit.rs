@@ -69,14 +69,14 @@ fn light_that_is_solved_on_the_device_is_drawn_from_there() {
     let hemicube = HemicubeOptions::default().with_resolution(64);
     let mut solver = GpuShooting::new(context, start, hemicube).expect("a solver");
     let drawn = DrawOptions::default().with_smoothing(Smoothing::None);
-    gpu.set_light_of(&solver).expect("the same mesh");
+    gpu.set_light_of(&solver.light()).expect("the same mesh");
     let dark = gpu.linear(&camera, SIZE, &drawn).expect("a picture");
     for _ in 0..4 {
         solver.step();
     }
     // Ends the shot that is under way.
     solver.settle();
-    gpu.set_light_of(&solver).expect("the same mesh");
+    gpu.set_light_of(&solver.light()).expect("the same mesh");
     let found = gpu.linear(&camera, SIZE, &drawn).expect("a picture");
     gpu.set_light(solver.solution()).expect("the same mesh");
     let expected = gpu.linear(&camera, SIZE, &drawn).expect("a picture");

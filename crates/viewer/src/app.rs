@@ -84,10 +84,10 @@ impl Viewer {
         let waking = ctx.clone();
         let mut desk = Desk::new(prefs, Arc::new(move || waking.request_repaint()));
         desk.camera.clone_from(&options.camera);
-        desk.open_changed(&options.scene, options.changes.clone());
         let stage = match device.map(Stage::new) {
             Some(Ok(stage)) => {
                 desk.session.set_pace(stage.light_pace());
+                desk.session.solve_on(stage.context().clone());
                 Some(stage)
             }
             Some(Err(error)) => {
@@ -96,6 +96,7 @@ impl Viewer {
             }
             None => None,
         };
+        desk.open_changed(&options.scene, options.changes.clone());
         Self {
             desk,
             stage,

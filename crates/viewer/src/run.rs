@@ -2,7 +2,7 @@
 
 use crate::app::{ViewOptions, Viewer};
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
-use hemicube_gpu::ADAPTER_VARIABLE;
+use hemicube_gpu::{ADAPTER_VARIABLE, Context};
 use std::sync::Arc;
 
 /// Why there is no window.
@@ -83,14 +83,10 @@ fn refuse_without_display() -> Result<(), ViewError> {
     Ok(())
 }
 
-/// A device with all that the adapter has: scenes are as large as they are.
+/// A device with all that solvers and pictures use of the adapter: both work on it.
 fn setup() -> WgpuSetupCreateNew {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
-    setup.device_descriptor = Arc::new(|adapter| wgpu::DeviceDescriptor {
-        label: Some("hemicube window"),
-        required_limits: adapter.limits(),
-        ..Default::default()
-    });
+    setup.device_descriptor = Arc::new(Context::descriptor);
     let wanted = std::env::var(ADAPTER_VARIABLE)
         .ok()
         .filter(|name| !name.is_empty());

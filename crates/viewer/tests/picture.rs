@@ -1,59 +1,19 @@
 //! The picture in the window, on whatever adapter there is.
 
-use egui::{Key, Ui, Vec2};
-use egui_kittest::Harness;
-use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
-use egui_wgpu::{RenderState, RendererOptions};
+mod shared;
+
+use egui::Key;
 use hemicube_radiosity::Quality;
-use hemicube_viewer::session::{Phase, Settings};
-use hemicube_viewer::{ViewOptions, Viewer};
-use std::time::{Duration, Instant};
+use hemicube_viewer::session::Settings;
+use shared::Window;
 
-type Window = Harness<'static, Option<Viewer>>;
-
-/// A window with a device, if there is one.
+/// A window in which the light is found, if there is a device.
 fn window() -> Option<Window> {
-    let adapters = hemicube_gpu::adapters();
-    if adapters.iter().all(|adapter| adapter.usable.is_err()) {
-        assert!(
-            std::env::var_os("HEMICUBE_TESTS_NEED_GPU").is_none(),
-            "there is a driver, so there is an adapter"
-        );
-        println!("skipped: no adapter on this machine");
-        return None;
-    }
-    let device: RenderState =
-        create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
-    let renderer = WgpuTestRenderer::from_render_state(device.clone());
     let settings = Settings::default()
         .with_quality(Quality::Draft)
         .with_tolerance(1e-2);
-    let options = ViewOptions {
-        scene: String::from("cornell"),
-        settings: Some(settings),
-        forgets: true,
-        ..ViewOptions::default()
-    };
-    let show = move |ui: &mut Ui, state: &mut Option<Viewer>| {
-        let new = || Viewer::new(ui.ctx(), None, Some(&device), &options);
-        state.get_or_insert_with(new).frame(ui);
-    };
-    let builder = Harness::builder()
-        .with_size(Vec2::new(960.0, 600.0))
-        .renderer(renderer);
-    let mut window = builder.build_ui_state(show, None);
-    let begin = Instant::now();
-    let is_finished = |window: &Window| {
-        let viewer = window.state().as_ref();
-        viewer.is_some_and(|viewer| {
-            viewer.desk.status.phase == Phase::Finished && viewer.is_up_to_date()
-        })
-    };
-    while !is_finished(&window) {
-        window.step();
-        assert!(begin.elapsed() < Duration::from_secs(90), "it finishes");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    let (mut window, _) = shared::window("cornell", settings)?;
+    shared::finish(&mut window);
     Some(window)
 }
 

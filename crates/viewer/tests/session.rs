@@ -299,6 +299,7 @@ fn figures_come_when_they_are_asked_for() {
     session.send(Command::Watch(Watch {
         hemicube: true,
         row_of: Some(3),
+        ..Watch::default()
     }));
     let snapshot = wait(&session, "they come", |snapshot, _| {
         snapshot.hemicube.is_some() && snapshot.row.is_some()

@@ -16,7 +16,7 @@ pub fn run(global: GlobalArgs) -> Result<(), Failure> {
             .map(|a| {
                 json!({
                     "name": a.name, "backend": a.backend, "kind": a.kind, "driver": a.driver,
-                    "usable": a.usable.is_ok(), "why_not": a.usable.as_ref().err(), "extras": a.extras,
+                    "usable": a.usable.is_ok(), "why_not": a.usable.as_ref().err(), "extras": a.extras, "uses_ray_queries": a.uses_ray_queries,
                     "max_binding_bytes": a.max_binding, "max_picture_side": a.max_side,
                 })
             })
@@ -41,6 +41,13 @@ pub fn run(global: GlobalArgs) -> Result<(), Failure> {
         if !adapter.extras.is_empty() {
             let _ = writeln!(text, "  extras    {}", adapter.extras.join(", "));
         }
+        let rays = if adapter.uses_ray_queries {
+            "by the adapter's ray queries"
+        } else {
+            "by a tree in a shader"
+        };
+        let variable = hemicube::gpu::RAY_QUERY_VARIABLE;
+        let _ = writeln!(text, "  rays      {rays} ({variable}=never|auto|always)");
         if let Err(why) = &adapter.usable {
             let _ = writeln!(text, "  unusable  {why}");
         }

@@ -9,8 +9,8 @@ use hemicube_radiosity::form_factor::hemicube::Sums;
 use hemicube_shaders::hemicube as twins;
 use hemicube_shaders::memory::{DRAW_BYTES, HemicubeSize, STRIDE};
 use wgpu::{
-    BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, Texture, TextureUsages,
-    TextureView, TextureViewDimension,
+    BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, SubmissionIndex, Texture,
+    TextureUsages, TextureView, TextureViewDimension,
 };
 
 /// Most memory of the pictures of a submission, in bytes.
@@ -250,9 +250,14 @@ impl Batch {
         encoder.copy_buffer_to_buffer(&self.sums, 0, &self.read, 0, self.sum_bytes(views));
     }
 
-    pub(super) fn read_sums(&self, context: &Context, views: usize) -> Result<Vec<Sums>, GpuError> {
+    pub(super) fn read_sums(
+        &self,
+        context: &Context,
+        views: usize,
+        submission: SubmissionIndex,
+    ) -> Result<Vec<Sums>, GpuError> {
         let bins = self.elements + 2;
-        let words = read(context, &self.read, self.sum_bytes(views))?;
+        let words = read(context, &self.read, self.sum_bytes(views), submission)?;
         let share = |word: &u32| f64::from(*word) / ALL;
         let sums = |words: &[u32]| {
             let bands: Vec<&[u32]> = words.chunks(bins).collect();
@@ -294,8 +299,8 @@ impl Batch {
             },
             size,
         );
-        context.queue.submit([encoder.finish()]);
-        let words = read(context, &buffer, bytes)?;
+        let submission = context.queue.submit([encoder.finish()]);
+        let words = read(context, &buffer, bytes, submission)?;
         let rows = words.chunks(row as usize / 4);
         Ok(rows
             .flat_map(|row| &row[..size.width as usize])

@@ -7,6 +7,7 @@ use crate::error::GpuError;
 use wgpu::{
     Buffer, BufferUsages, CommandEncoder, ComputePassTimestampWrites, Features,
     PipelineStatisticsTypes, QuerySet, QueryType, RenderPass, RenderPassTimestampWrites,
+    SubmissionIndex,
 };
 
 /// What some hemicubes cost the device.
@@ -29,8 +30,13 @@ pub struct ShotCounts {
 
 impl ShotCounts {
     /// Adds what the counters of a submission say.
-    pub(super) fn add(&mut self, probe: &Probe, context: &Context) -> Result<(), GpuError> {
-        let (drawing, seconds) = probe.read(context)?;
+    pub(super) fn add(
+        &mut self,
+        probe: &Probe,
+        context: &Context,
+        submission: SubmissionIndex,
+    ) -> Result<(), GpuError> {
+        let (drawing, seconds) = probe.read(context, submission)?;
         self.submissions += 1;
         if let Some(more) = drawing {
             let sum = self.drawing.get_or_insert_default();
@@ -209,8 +215,9 @@ impl Probe {
     pub(super) fn read(
         &self,
         context: &Context,
+        submission: SubmissionIndex,
     ) -> Result<(Option<DrawCounts>, Option<StageSeconds>), GpuError> {
-        let words = read(context, &self.read, self.read.size())?;
+        let words = read(context, &self.read, self.read.size(), submission)?;
         let numbers: Vec<u64> = bytemuck::pod_collect_to_vec(&words);
         let seconds = |stage: usize| {
             (numbers[2 * stage + 1] - numbers[2 * stage]) as f64 * self.period * 1e-9

@@ -198,7 +198,7 @@ impl SurfaceLight {
         pass: &LightPass,
         solution: &Solution,
     ) -> Result<(), GpuError> {
-        self.check(solution)?;
+        self.check(size_of(solution))?;
         self.read_from(context, pass, &self.solved.clone());
         let elements = self.params.elements as usize;
         for group in 0..solution.groups().len() {
@@ -220,7 +220,7 @@ impl SurfaceLight {
         context: &Context,
         solution: &Solution,
     ) -> Result<(), GpuError> {
-        self.check(solution)?;
+        self.check(size_of(solution))?;
         let padded = |c: Rgb| [c.r, c.g, c.b, 0.0];
         let dims: Vec<[f32; 4]> = solution.groups().iter().map(|g| padded(g.dim)).collect();
         let of_elements: Vec<[f32; 4]> = emission_dims(solution).map(padded).collect();
@@ -248,8 +248,11 @@ impl SurfaceLight {
         self.is_new = true;
     }
 
-    fn check(&self, solution: &Solution) -> Result<(), GpuError> {
-        let found = [solution.mesh().elements().len(), solution.groups().len()];
+    /// Refuses light of so many elements and groups if they are others.
+    ///
+    /// # Errors
+    /// They are.
+    pub(crate) fn check(&self, found: [usize; 2]) -> Result<(), GpuError> {
         let wanted = [self.params.elements, self.params.groups].map(|n| n as usize);
         if found == wanted {
             return Ok(());
@@ -276,6 +279,11 @@ impl SurfaceLight {
             run.dispatch_workgroups(x, 1, z);
         }
     }
+}
+
+/// Elements and groups of a solution.
+fn size_of(solution: &Solution) -> [usize; 2] {
+    [solution.mesh().elements().len(), solution.groups().len()]
 }
 
 /// Dimmed by undimmed exitance of each element; 1 where one emits nothing.

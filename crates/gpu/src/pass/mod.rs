@@ -59,6 +59,7 @@ mod light;
 mod lit;
 mod map;
 mod material;
+mod metering;
 mod options;
 mod overlay;
 mod passes;
@@ -78,6 +79,7 @@ mod view;
 mod walkthrough;
 
 pub use environment::Lookup;
+pub use metering::{Meter, Metering};
 pub use options::{DrawOptions, Interpolation, Smoothing, Style};
 pub use overlay::MeshLines;
 pub use target::Target;

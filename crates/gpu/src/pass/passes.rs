@@ -8,6 +8,7 @@ use crate::pass::environment::EnvironmentPass;
 use crate::pass::falsecolour::FalseColourPass;
 use crate::pass::light::LightPass;
 use crate::pass::lit::{SurfacePass, scene_layout};
+use crate::pass::metering::MeterPass;
 use crate::pass::overlay::OverlayPass;
 use crate::pass::pick::PickPass;
 use crate::pass::surroundings::SurroundingsPass;
@@ -20,6 +21,7 @@ use wgpu::BindGroupLayout;
 pub(crate) struct Passes {
     pub(crate) scene: BindGroupLayout,
     pub(crate) light: LightPass,
+    pub(crate) meter: MeterPass,
     pub(crate) lit: SurfacePass,
     pub(crate) textured: TexturedPass,
     pub(crate) bump: BumpPass,
@@ -41,6 +43,7 @@ impl Passes {
         let environment = EnvironmentPass::new(context, &scene, &textured.layout, &bump.layout);
         Self {
             light: LightPass::new(context),
+            meter: MeterPass::new(context),
             lit: SurfacePass::lit(&scene),
             textured,
             bump,

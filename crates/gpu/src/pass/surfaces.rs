@@ -10,6 +10,7 @@ use crate::pass::layers::Layers;
 use crate::pass::light::SurfaceLight;
 use crate::pass::lit::{Pixels, Stage};
 use crate::pass::material::{materials, slots};
+use crate::pass::metering::MeteredSurfaces;
 use crate::pass::passes::Passes;
 use crate::pass::textured::{MaterialTextures, TextureFiltering};
 use crate::pass::variant::Variant;
@@ -55,6 +56,7 @@ enum Drawn {
 pub(crate) struct Surfaces {
     pub(crate) geometry: Geometry,
     pub(crate) light: SurfaceLight,
+    pub(crate) metered: MeteredSurfaces,
     pub(crate) bounds: Bounds,
     scene: Arc<Scene>,
     materials: Buffer,
@@ -85,6 +87,7 @@ impl Surfaces {
         let factors = materials(&scene);
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         Ok(Self {
+            metered: MeteredSurfaces::new(context, solution.mesh()),
             bounds: Bounds::of(geometry.positions.iter().copied()),
             materials: filled(&context.device, "materials", &factors, usage),
             emits: emits(&factors),

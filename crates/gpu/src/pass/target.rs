@@ -134,8 +134,8 @@ pub(crate) fn read_texels(context: &Context, texture: &Texture) -> Result<Vec<u3
         },
         size,
     );
-    context.queue.submit([encoder.finish()]);
-    let words = read(context, &buffer, bytes)?;
+    let submission = context.queue.submit([encoder.finish()]);
+    let words = read(context, &buffer, bytes, submission)?;
     let rows = words.chunks(padded as usize / 4);
     Ok(rows
         .flat_map(|words| &words[..row as usize / 4])

@@ -7,10 +7,10 @@ use crate::pass::passes::Passes;
 use crate::pass::reflections::Mirrors;
 use crate::pass::surfaces::Surfaces;
 use crate::pass::target::Frame;
-use crate::shooting::GpuShooting;
+use crate::shooting::DeviceLight;
 use core::fmt;
 use hemicube_radiosity::solve::ambient::ambient_irradiance;
-use hemicube_radiosity::{Solution, Solver, SolverKind};
+use hemicube_radiosity::{Solution, SolverKind};
 use hemicube_raster::Rgb;
 use hemicube_raster::environment::{EnvironmentMap, EnvironmentPyramid};
 use hemicube_render::tilt_fits;
@@ -20,7 +20,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// A lit scene on the device, drawn from any camera as often as one likes.
 ///
 /// Geometry and materials stay; light can be replaced before every picture, by that of a [`Solution`] or by that which
-/// [`GpuShooting`] keeps on the device.
+/// [`GpuShooting`](crate::GpuShooting) keeps on the device.
 pub struct Walkthrough {
     pub(super) context: Arc<Context>,
     pub(super) passes: Arc<Mutex<Passes>>,
@@ -107,16 +107,26 @@ impl Walkthrough {
         self.surfaces.light.set_extra(&self.context, irradiance);
     }
 
-    /// Shows the light that a solver keeps on this device, without a way over the CPU. To be called again after each of its
-    /// steps.
+    /// Shows the light that a solver keeps on this device, without a way over the CPU: as it is when the next picture is
+    /// drawn. To be called again after each of the solver's steps. Dims stay as they were ([`Self::set_dims`]).
     ///
     /// # Errors
-    /// The solver works on another mesh.
-    pub fn set_light_of(&mut self, solver: &GpuShooting) -> Result<(), GpuError> {
-        let light = &mut self.surfaces.light;
-        light.upload_dims(&self.context, solver.solution())?;
-        let passes = locked(&self.passes);
-        light.read_from(&self.context, &passes.light, solver.light());
+    /// It is the light of another mesh, or on another device.
+    pub fn set_light_of(&mut self, light: &DeviceLight) -> Result<(), GpuError> {
+        let buffer = light.buffer_on(&self.context)?;
+        let shown = &mut self.surfaces.light;
+        shown.check(light.size())?;
+        shown.read_from(&self.context, &locked(&self.passes).light, buffer);
+        Ok(())
+    }
+
+    /// Dims groups of luminaires, and what they light, as a solution does, whatever its light is.
+    ///
+    /// # Errors
+    /// The solution has other elements or groups than the one that this was made of.
+    pub fn set_dims(&mut self, solution: &Solution) -> Result<(), GpuError> {
+        self.surfaces.light.upload_dims(&self.context, solution)?;
+        self.sky = sky(solution);
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! The ambient term: a guess of the light still to come (Cohen, Chen, Wallace, Greenberg 1988).
 
 use crate::patch::PatchMesh;
-use crate::solution::{BANDS, Solution};
+use crate::solution::{BANDS, EnergyBalance, Solution};
 use crate::solve::shot::to_f32;
 use hemicube_raster::Rgb;
 
@@ -12,12 +12,55 @@ use hemicube_raster::Rgb;
 /// It is for pictures of unfinished solutions and never enters the energy. In open scenes it overestimates before the
 /// first shot, when nothing has escaped yet.
 pub fn ambient_irradiance(solution: &Solution) -> Rgb {
-    let interior = Interior::new(solution.mesh());
-    let of_band = |band| {
-        let kept = interior.kept(solution, band);
-        to_f32(interior.ambient(band, solution.unshot_flux(band), kept))
-    };
-    Rgb::new(of_band(0), of_band(1), of_band(2))
+    let unshot = [0, 1, 2].map(|band| solution.unshot_flux(band));
+    let balance = [0, 1, 2].map(|band| solution.total_balance(band));
+    AmbientTerm::new(solution).irradiance(unshot, balance)
+}
+
+/// The ambient term of a scene whose light is kept elsewhere: sums over its elements are enough.
+#[derive(Clone)]
+pub struct AmbientTerm {
+    interior: Interior,
+    /// Flux of all emitters that have an area.
+    exitance: [f64; BANDS],
+}
+
+impl core::fmt::Debug for AmbientTerm {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("AmbientTerm").finish_non_exhaustive()
+    }
+}
+
+impl AmbientTerm {
+    /// For the mesh and the emitters of a solution.
+    pub fn new(solution: &Solution) -> Self {
+        let mesh = solution.mesh();
+        let flux = |group: usize, band: usize| -> f64 {
+            let elements = solution.exitance(group, band).iter().enumerate();
+            elements
+                .map(|(e, &b)| f64::from(b) * f64::from(mesh.exposed_area(e)))
+                .sum()
+        };
+        let groups = solution.groups().len();
+        Self {
+            interior: Interior::new(mesh),
+            exitance: [0, 1, 2].map(|band| (0..groups).map(|group| flux(group, band)).sum()),
+        }
+    }
+
+    /// The term of [`ambient_irradiance`], of the unshot flux and the energy balance in each band.
+    pub fn irradiance(&self, unshot: [f64; BANDS], balance: [EnergyBalance; BANDS]) -> Rgb {
+        let of_band = |band: usize| {
+            let kept = self.interior.kept(band, balance[band], self.exitance[band]);
+            to_f32(self.interior.ambient(band, unshot[band], kept))
+        };
+        Rgb::new(of_band(0), of_band(1), of_band(2))
+    }
+
+    /// Area of all surfaces.
+    pub fn area(&self) -> f64 {
+        self.interior.area
+    }
 }
 
 /// A scene as the ambient term sees it: one area with one reflectance.
@@ -51,18 +94,9 @@ impl Interior {
     ///
     /// Of what is shot, `1 - κ` escapes and `κ (1 - ρ̄)` is absorbed, so the two that are known give κ. What first hits
     /// of sun, sky and points left in surfaces was never shot and does not count.
-    fn kept(&self, solution: &Solution, band: usize) -> f64 {
-        let mesh = solution.mesh();
-        let exitance = |group: usize| -> f64 {
-            let elements = solution.exitance(group, band).iter().enumerate();
-            elements
-                .map(|(e, &b)| f64::from(b) * f64::from(mesh.exposed_area(e)))
-                .sum()
-        };
-        let balance = solution.total_balance(band);
-        let emitted: f64 = (0..solution.groups().len()).map(exitance).sum();
+    fn kept(&self, band: usize, balance: EnergyBalance, exitance: f64) -> f64 {
         let lost = 1.0 - self.reflectance[band];
-        let absorbed = balance.absorbed - lost * (balance.emitted - emitted);
+        let absorbed = balance.absorbed - lost * (balance.emitted - exitance);
         if balance.escaped > 0.0 {
             absorbed.max(0.0) / (absorbed.max(0.0) + lost * balance.escaped)
         } else {

@@ -36,7 +36,7 @@ pub mod southwell;
 pub mod stochastic;
 pub mod system;
 
-pub use ambient::ambient_irradiance;
+pub use ambient::{AmbientTerm, ambient_irradiance};
 pub use conjugate_gradient::ConjugateGradient;
 pub use element_gathering::ElementGathering;
 pub use gathering::Gathering;

@@ -1,11 +1,13 @@
 //! What comes from files and goes to them.
 
+use crate::desk::errands::Errand;
 use crate::desk::{Desk, Pick};
 use crate::display::Quantity;
 use crate::document::Document;
 use crate::film_job::{FilmJob, FilmPlan};
 use crate::session::{Command, Source};
 use crate::walk::FilmFormat;
+use hemicube_gpu::pass::Meter;
 use hemicube_radiosity::Solution;
 use hemicube_radiosity::export::lit_glb::{self, LitGlbOptions};
 use hemicube_raster::Rgb;
@@ -35,11 +37,17 @@ impl Desk {
 
     /// Does what a file was picked for.
     pub fn picked(&mut self, pick: Pick, path: PathBuf) {
+        match pick {
+            Pick::Open => self.open(&path.to_string_lossy()),
+            Pick::SaveFilm | Pick::SaveLit => self.send_on(Errand::Save(pick, path)),
+            Pick::SavePicture | Pick::SaveSession | Pick::SaveGrid => self.save(pick, path),
+        }
+    }
+
+    /// Writes what was picked, as everything is now.
+    pub(super) fn save(&mut self, pick: Pick, path: PathBuf) {
         let saved = match pick {
-            Pick::Open => {
-                self.open(&path.to_string_lossy());
-                return;
-            }
+            Pick::Open => return,
             Pick::SavePicture => {
                 self.wanted_picture = Some(path);
                 return;
@@ -73,6 +81,9 @@ impl Desk {
         let (Some(snapshot), Some(pane)) = (&self.snapshot, self.panes.first()) else {
             return 1.0;
         };
+        if let Some(meter) = self.meter() {
+            return self.prefs.display.exposure(meter.luminances());
+        }
         let mesh = snapshot.mesh();
         let ambient = self.ambient(pane.lane);
         let reflected = |e: usize| {
@@ -92,10 +103,33 @@ impl Desk {
         };
         let units = snapshot.mesh().scene().units;
         let is_shown = self.prefs.display.quantity == Quantity::Illuminance;
+        if let Some(meter) = self.meter() {
+            let shown = meter.illuminances().filter(|_| is_shown);
+            return self.prefs.display.scale_top(shown);
+        }
         let shown = pane.light.irradiance.iter().filter(|_| is_shown);
         self.prefs
             .display
             .scale_top(shown.map(|&h| units.illuminance(h)))
+    }
+
+    /// How bright the light is that a device keeps, where it is not known here.
+    fn meter(&self) -> Option<&Meter> {
+        let geometry = self.snapshot.as_ref()?.geometry;
+        let (of, meter) = self.meter.as_ref()?;
+        (*of == geometry && !self.has_light()).then_some(meter)
+    }
+
+    /// Whether exposure and scale can be told: not before light that a device keeps has been measured there.
+    pub fn is_metered(&self) -> bool {
+        self.has_light() || self.meter().is_some()
+    }
+
+    /// Takes over how bright the light of a geometry is that a device keeps.
+    pub fn set_meter(&mut self, geometry: u64, meter: Meter) {
+        self.meter = Some((geometry, meter));
+        self.exposed = None;
+        self.refresh_exposure();
     }
 
     /// The estimate of the light to come that a lane shows.

@@ -1,6 +1,7 @@
 //! Everything that the window shows and changes, without the window: panels read and write it, tests too.
 
 mod dialogs;
+mod errands;
 mod files;
 mod scene;
 mod view;
@@ -17,7 +18,10 @@ use crate::measure::{Grid, GridJob, GridOptions, Reading};
 use crate::prefs::Prefs;
 use crate::session::{Command, LaneView, Mixer, Session, Snapshot, Source, Status, Watch};
 use crate::walk::{Body, Eye, EyeMode, Path};
+use errands::Errand;
 use glam::Vec3;
+use hemicube_gpu::pass::Meter;
+use hemicube_radiosity::Solution;
 use hemicube_raster::Rgb;
 use hemicube_scene::{Scene, SceneOptions};
 use std::collections::BTreeMap;
@@ -112,6 +116,11 @@ pub struct Desk {
     original: Option<Arc<Scene>>,
     /// What the exposure and the scale were worked out for.
     exposed: Option<(u64, Display)>,
+    /// How bright the light on the device is, and of which geometry.
+    meter: Option<(u64, Meter)>,
+    /// What waits for light from a device, and the number of the wish for it.
+    errands: Vec<Errand>,
+    wish: u64,
     /// The scene that one stands in, by what it was opened by.
     entered: Option<String>,
     watch: Watch,
@@ -124,7 +133,7 @@ pub struct Desk {
 }
 
 /// One picture.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Pane {
     /// What it shows, in a few words; empty if it is the only one.
     pub title: String,
@@ -132,8 +141,20 @@ pub struct Pane {
     pub lane: usize,
     /// Factors of light groups.
     pub dims: Vec<Rgb>,
-    /// The light as dimmed.
+    /// The light as dimmed, as far as it is known here.
     pub light: Arc<Light>,
+    /// What that is the light of.
+    pub solution: Arc<Solution>,
+}
+
+impl Pane {
+    /// Irradiance of an element in its lane's newest light, if that is known here.
+    pub fn irradiance(&self, lane: &LaneView, element: usize) -> Option<Rgb> {
+        if lane.has_light() {
+            return Some(self.light.irradiance[element]);
+        }
+        lane.watched(element, &self.dims)
+    }
 }
 
 /// Time that is left to input: new light is taken over for at most a fifth of the time, however large the scene is.
@@ -221,6 +242,9 @@ impl Desk {
             moved: None,
             original: None,
             exposed: None,
+            meter: None,
+            errands: Vec::new(),
+            wish: 0,
             entered: None,
             watch: Watch::default(),
             pause: None,
@@ -244,6 +268,7 @@ impl Desk {
         }
         self.refresh_panes(is_new);
         self.refresh_exposure();
+        self.run_errands();
         if is_new {
             self.pause = Some(Pause::after(begin));
         }
@@ -291,11 +316,19 @@ impl Desk {
         if is_same && !is_new {
             return;
         }
-        let pane = |(lane, dims, title): (usize, Vec<Rgb>, String)| Pane {
-            light: Arc::new(Light::new(&snapshot.lanes[lane].solution, &dims)),
-            title,
-            lane,
-            dims,
+        let before = &self.panes;
+        let pane = |(lane, dims, title): (usize, Vec<Rgb>, String)| {
+            let solution = &snapshot.lanes[lane].solution;
+            // Light that a device keeps is not always new here.
+            let is_same = |pane: &&Pane| Arc::ptr_eq(&pane.solution, solution) && pane.dims == dims;
+            let known = before.iter().find(is_same).map(|pane| pane.light.clone());
+            Pane {
+                light: known.unwrap_or_else(|| Arc::new(Light::new(solution, &dims))),
+                solution: solution.clone(),
+                title,
+                lane,
+                dims,
+            }
         };
         self.panes = wanted.into_iter().map(pane).collect();
         self.light_serial += 1;
@@ -327,20 +360,17 @@ impl Desk {
     }
 
     /// Numbers of the selection follow the light.
-    fn refresh_readings(&mut self) {
+    pub(super) fn refresh_readings(&mut self) {
         let (Some(snapshot), Some(pane)) = (&self.snapshot, self.panes.first()) else {
             return;
         };
+        let (mesh, lane) = (snapshot.mesh(), &snapshot.lanes[pane.lane]);
         for reading in [&mut self.selection, &mut self.hover].into_iter().flatten() {
-            if let Some(e) = reading.element {
-                reading.irradiance = pane.light.irradiance[e];
-                reading.radiosity = pane.light.radiosity(snapshot.mesh(), e);
-                reading.illuminance = snapshot
-                    .mesh()
-                    .scene()
-                    .units
-                    .illuminance(reading.irradiance);
-            }
+            let Some(e) = reading.element else { continue };
+            let known = pane.irradiance(lane, e);
+            reading.irradiance = known.unwrap_or(Rgb::splat(f32::NAN));
+            reading.radiosity = pane.light.exitance[e] + mesh.reflectance()[e] * reading.irradiance;
+            reading.illuminance = mesh.scene().units.illuminance(reading.irradiance);
         }
     }
 
@@ -370,6 +400,8 @@ impl Desk {
         let watch = Watch {
             hemicube: self.shows_hemicube,
             row_of: self.selected_patch().filter(|_| wants_row),
+            elements: [&self.selection, &self.hover]
+                .map(|reading| reading.as_ref().and_then(|reading| reading.element)),
         };
         if watch != self.watch {
             self.watch = watch;

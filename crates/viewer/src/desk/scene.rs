@@ -1,6 +1,7 @@
 //! Standing in a scene: entering it, picking surfaces, changing them.
 
 use crate::desk::Desk;
+use crate::desk::errands::Errand;
 use crate::document::EditedMaterial;
 use crate::measure::{GridJob, read_along};
 use crate::session::{Command, Settings};
@@ -19,6 +20,7 @@ impl Desk {
         };
         let mesh = snapshot.mesh();
         (self.selection, self.hover, self.grid) = (None, None, None);
+        self.errands.clear();
         self.grid_job = None;
         let source = self.session.status().source;
         if self.entered.is_some() && source == self.entered && self.pending.is_none() {
@@ -104,6 +106,7 @@ impl Desk {
     /// What is under a point of a pane: x to the right and y down, each from -1 to 1.
     pub fn point_at(&mut self, pane: usize, x: f32, y: f32, aspect: f32) {
         self.hover = self.reading_at(pane, self.eye.direction_at(x, y, aspect));
+        self.refresh_readings();
     }
 
     fn reading_at(&self, pane: usize, direction: Vec3) -> Option<crate::measure::Reading> {
@@ -190,6 +193,12 @@ impl Desk {
 
     /// Measures a grid on the selected surface.
     pub fn measure_grid(&mut self) {
+        if self.selection.is_some() {
+            self.send_on(Errand::Grid);
+        }
+    }
+
+    pub(super) fn start_grid(&mut self) {
         let (Some(reading), Some(solution)) = (self.selection, self.dimmed_solution()) else {
             return;
         };

@@ -7,6 +7,7 @@
 //! smoothed less, new light comes a few times a second, and while the eye moves there are as few pixels as it takes to
 //! follow it.
 
+mod light;
 mod options;
 mod pace;
 mod pictures;
@@ -19,7 +20,7 @@ use crate::panels::Tile;
 use crate::session::Snapshot;
 use crate::walk::Eye;
 use egui_wgpu::RenderState;
-use hemicube_gpu::pass::{Lookup, Target};
+use hemicube_gpu::pass::{Lookup, Metering, Target};
 use hemicube_gpu::{Context, GpuError};
 use hemicube_raster::{Image, Rgb};
 use hemicube_render::Reflections;
@@ -29,7 +30,7 @@ pub use pictures::PanePaint;
 use pictures::{PaneShow, Picture, SHOWN};
 use scene::{Coming, OnStage, Order};
 pub use stand_in::DECADES;
-use stand_in::{as_light, dimmed, without_textures};
+use stand_in::without_textures;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -48,6 +49,9 @@ pub struct Stage {
     coming: Option<Coming>,
     /// The geometry that could not be put on the device.
     refused: Option<u64>,
+    /// The light on the device that is being measured, and the last that was asked to be.
+    metering: Option<Metering>,
+    metered: Option<ShownLight>,
     pictures: Vec<Picture>,
     pixels: Pixels,
     /// Width of a pixel of the pictures in those of the window.
@@ -59,6 +63,15 @@ pub struct Stage {
     has_drawn: bool,
     /// When there will be something new to draw.
     due: Option<Duration>,
+}
+
+/// What decides on the light on the device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct ShownLight {
+    serial: u64,
+    quantity: Quantity,
+    ambient: bool,
+    selected: Option<usize>,
 }
 
 /// Everything that a picture depends on.
@@ -76,10 +89,14 @@ struct Shown {
 }
 
 impl Shown {
-    /// Whether only the eye and the colours differ.
-    fn has_light_of(&self, other: &Self) -> bool {
-        let light = |s: &Self| (s.light, s.display.quantity, s.display.ambient, s.selected);
-        light(self) == light(other)
+    /// What of it decides on the light on the device.
+    fn light(&self) -> ShownLight {
+        ShownLight {
+            serial: self.light,
+            quantity: self.display.quantity,
+            ambient: self.display.ambient,
+            selected: self.selected,
+        }
     }
 
     /// Whether only the light differs, and what follows from it.
@@ -108,6 +125,8 @@ impl Stage {
             scene: None,
             coming: None,
             refused: None,
+            metering: None,
+            metered: None,
             pictures: Vec::new(),
             pixels: Pixels::default(),
             divisor: 1,
@@ -122,6 +141,11 @@ impl Stage {
     pub fn is_up_to_date(&self, desk: &Desk) -> bool {
         let wanted = Some(self.wanted(desk));
         !self.pictures.is_empty() && self.pictures.iter().all(|picture| picture.shows == wanted)
+    }
+
+    /// The device.
+    pub fn context(&self) -> &Arc<Context> {
+        &self.context
     }
 
     /// Least time between two pictures that differ only in their light.
@@ -167,6 +191,7 @@ impl Stage {
                 return vec![None; tiles.len()];
             }
         }
+        self.take_meter(desk, &snapshot);
         self.fit(desk, tiles);
         let panes = desk.panes.clone();
         let draw = |(i, pane): (usize, &Pane)| match self.draw_pane(desk, &snapshot, pane, i) {
@@ -251,13 +276,16 @@ impl Stage {
         } else {
             scene.walkthrough.set_materials(&without_textures(mesh))?;
         }
+        scene.walkthrough.set_metered(mesh);
         scene.mesh = mesh.clone();
         scene.is_textured = textures;
         self.forget();
         Ok(())
     }
 
+    /// What is shown, and what was measured, is no longer so.
     fn forget(&mut self) {
+        (self.metering, self.metered) = (None, None);
         self.pictures
             .iter_mut()
             .for_each(|picture| picture.shows = None);
@@ -295,20 +323,23 @@ impl Stage {
         if before.as_ref() == Some(&shown) {
             return Ok(());
         }
-        if let Some(before) = &before
-            && let Some(wait) = self.wait_for_light(before, &shown)
-        {
-            self.due = Some(self.due.map_or(wait, |due| due.min(wait)));
-            if before.is_same_but_for_light(&shown) {
+        let is_same = |shown: &Shown| {
+            let before = before.as_ref();
+            before.is_some_and(|before| before.is_same_but_for_light(shown))
+        };
+        if let Some(serial) = self.light_to_keep(before.as_ref(), &shown) {
+            shown.light = serial;
+            let has_it = |before: &Shown| before.light == serial;
+            if is_same(&shown) && before.as_ref().is_some_and(has_it) {
                 return Ok(());
             }
-            shown.light = before.light;
+        } else {
+            self.set_light(desk, snapshot, pane, i, shown.light())?;
         }
-        // With several panes the light on the device is another's.
-        let has_new_light =
-            self.pictures.len() > 1 || before.is_none_or(|before| !before.has_light_of(&shown));
-        if has_new_light {
-            self.set_light(desk, snapshot, pane)?;
+        // With the exposure of this light it is drawn once, not twice.
+        let waits = is_same(&shown) && self.pictures.len() == 1;
+        if self.metering.is_some() && (waits || !desk.is_metered()) {
+            return Ok(());
         }
         if desk.prefs.display.reflections && desk.prefs.display.quantity == Quantity::Light {
             self.set_mirrors(desk, snapshot, shown.light)?;
@@ -332,6 +363,28 @@ impl Stage {
             is_fine: !self.is_software || desk.is_still(),
             mirrors_rest: desk.prefs.display.reflections && desk.is_still(),
         }
+    }
+
+    /// The light that stays on the device although there is newer one, if it does: because it was measured and not yet
+    /// shown, or the newer one has to wait for its turn.
+    fn light_to_keep(&mut self, before: Option<&Shown>, wanted: &Shown) -> Option<u64> {
+        let lit = self.scene.as_ref()?.light.lit?.light;
+        let serial = lit.serial;
+        let newest = wanted.light();
+        if (ShownLight { serial, ..newest }) != lit {
+            return None;
+        }
+        let is_new = before.is_none_or(|before| before.light != serial);
+        if self.metered == Some(lit) && is_new && self.pictures.len() == 1 {
+            if self.metering.is_none() && newest != lit {
+                // The newest comes right after it.
+                self.due = Some(Duration::ZERO);
+            }
+            return Some(serial);
+        }
+        let wait = self.wait_for_light(before?, wanted)?;
+        self.due = Some(self.due.map_or(wait, |due| due.min(wait)));
+        Some(serial)
     }
 
     /// How long new light has to wait for its turn, if it has to.
@@ -361,29 +414,6 @@ impl Stage {
             .walkthrough
             .draw(&mut encoder, target, &camera, &options)?;
         self.context.queue.submit([encoder.finish()]);
-        Ok(())
-    }
-
-    /// Brings a pane's light to the device.
-    fn set_light(&mut self, desk: &Desk, snapshot: &Snapshot, pane: &Pane) -> Result<(), GpuError> {
-        let begin = Instant::now();
-        let solved = &snapshot.lanes[pane.lane].solution;
-        let other = match desk.prefs.display.quantity {
-            Quantity::FormFactors => snapshot.row.as_ref().map(|row| as_light(solved, row)),
-            _ => dimmed(solved, &pane.dims),
-        };
-        let Some(scene) = &mut self.scene else {
-            return Ok(());
-        };
-        scene
-            .walkthrough
-            .set_light(other.as_ref().unwrap_or(solved))?;
-        let ambient = match desk.prefs.display.quantity {
-            Quantity::Light => desk.ambient(pane.lane),
-            _ => Rgb::BLACK,
-        };
-        scene.walkthrough.set_ambient(ambient);
-        (self.lit, self.pause) = (Some(begin), Some(Pause::after(begin)));
         Ok(())
     }
 

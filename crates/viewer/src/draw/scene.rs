@@ -5,6 +5,7 @@
 //! used. The window has the scene from then on.
 
 use crate::draw::SHOWN;
+use crate::draw::light::StageLight;
 use hemicube_gpu::pass::{DrawOptions, Target, Walkthrough};
 use hemicube_gpu::{Context, GpuError};
 use hemicube_radiosity::{PatchMesh, Solution};
@@ -26,6 +27,8 @@ pub struct OnStage {
     pub mesh: Arc<PatchMesh>,
     /// Whether its textures are there, too.
     pub is_textured: bool,
+    /// The light that pictures are made of.
+    pub light: StageLight,
     /// The light that mirrors show; none if nothing mirrors yet.
     pub mirrored: Option<u64>,
 }
@@ -80,6 +83,7 @@ impl Order {
             groups: self.solution.groups().len(),
             mesh: self.solution.mesh().clone(),
             is_textured: true,
+            light: StageLight::default(),
             mirrored: None,
         })
     }

@@ -6,7 +6,7 @@ use hemicube_radiosity::PatchMesh;
 use hemicube_radiosity::patch::face::Side;
 use hemicube_raster::Rgb;
 
-/// A point of a surface and its light.
+/// A point of a surface and its light; the light is no number as long as it is not known, because a device keeps it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// Where, in world units.

@@ -2,7 +2,7 @@
 
 use crate::desk::Desk;
 use crate::format::{number, share, thousands};
-use crate::session::Phase;
+use crate::session::{LaneView, Phase};
 use crate::theme::ACCENT;
 use egui::{Align, Layout, RichText, Ui};
 use hemicube_scene::Units;
@@ -24,6 +24,7 @@ pub fn show(ui: &mut Ui, desk: &Desk) {
                 thousands(steps),
                 share(unshot)
             ));
+            place_of_light(ui, lane);
             if is_busy {
                 ui.label(
                     RichText::new(format!("{} steps/s", number(status.steps_per_second))).weak(),
@@ -50,6 +51,20 @@ pub fn show(ui: &mut Ui, desk: &Desk) {
         });
     });
     ui.add_space(2.0);
+}
+
+/// Tells where the light is, if it is on the device.
+fn place_of_light(ui: &mut Ui, lane: &LaneView) {
+    let Some(device) = &lane.on_device else {
+        return;
+    };
+    let of_step = device.step_bytes.checked_div(device.steps).unwrap_or(0);
+    let what = format!(
+        "Solver and window share the device: pictures are made of the solver's own light. {} bytes come back after a step, all light when it is at rest or asked for.",
+        thousands(of_step as f64)
+    );
+    ui.label(RichText::new("light on the device").color(ACCENT))
+        .on_hover_text(what);
 }
 
 fn frame_time(ui: &mut Ui, desk: &Desk) {

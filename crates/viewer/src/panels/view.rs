@@ -189,7 +189,8 @@ fn marks(painter: &egui::Painter, desk: &Desk, tiles: &[Tile]) {
     };
     let units = snapshot.mesh().scene().units;
     for (tile, pane) in tiles.iter().zip(&desk.panes) {
-        let irradiance = reading.element.map(|e| pane.light.irradiance[e]);
+        let lane = &snapshot.lanes[pane.lane];
+        let irradiance = reading.element.and_then(|e| pane.irradiance(lane, e));
         let illuminance = irradiance.map_or(reading.illuminance, |h| units.illuminance(h));
         let camera = desk.eye.camera("view");
         let to = reading.point - camera.eye;

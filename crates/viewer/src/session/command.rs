@@ -26,6 +26,10 @@ pub enum Command {
     Edit(MaterialEdit),
     /// What else is shown.
     Watch(Watch),
+    /// Light that a device keeps is wanted here, too; the snapshot with it has this number as [`Snapshot::brought`].
+    ///
+    /// [`Snapshot::brought`]: crate::session::Snapshot::brought
+    Bring(u64),
     /// Scene or light are here; from the loader.
     Loaded(u64, Result<Box<Solution>, String>),
     /// The end.
@@ -37,7 +41,13 @@ impl Command {
     pub(crate) fn is_light(&self) -> bool {
         matches!(
             self,
-            Self::Run | Self::Pause | Self::Step | Self::Watch(_) | Self::Cancel | Self::Open(_)
+            Self::Run
+                | Self::Pause
+                | Self::Step
+                | Self::Watch(_)
+                | Self::Bring(_)
+                | Self::Cancel
+                | Self::Open(_)
         )
     }
 }
@@ -60,4 +70,6 @@ pub struct Watch {
     pub hemicube: bool,
     /// The patch whose form factors are wanted. Default value: none.
     pub row_of: Option<usize>,
+    /// Elements whose light is wanted while a device keeps it. Default value: none.
+    pub elements: [Option<usize>; 2],
 }

@@ -74,7 +74,7 @@ impl Inbox {
 
 /// Whether `new` leaves nothing of `old`. Steps are counted, each of them.
 fn makes_void(new: &Command, old: &Command) -> bool {
-    use Command::{Cancel, Configure, Open, Pause, Quit, Restart, Run, Watch};
+    use Command::{Bring, Cancel, Configure, Open, Pause, Quit, Restart, Run, Watch};
     matches!(
         (new, old),
         (Quit, _)
@@ -84,6 +84,7 @@ fn makes_void(new: &Command, old: &Command) -> bool {
             | (Restart, Restart)
             | (Configure(_), Configure(_))
             | (Watch(_), Watch(_))
+            | (Bring(_), Bring(_))
     )
 }
 

@@ -1,7 +1,8 @@
 //! One way to the light, stepped.
 
-use crate::session::{History, LaneView, Moment};
-use hemicube_radiosity::backend::{Backend, Shooter};
+use crate::session::device_lane::DeviceLane;
+use crate::session::{History, LaneView, Moment, Watch};
+use hemicube_gpu::Gpu;
 use hemicube_radiosity::compare::{relative_error, shown_radiosity};
 use hemicube_radiosity::form_factor::{FormFactors, MatrixOptions};
 use hemicube_radiosity::solution::BANDS;
@@ -43,7 +44,7 @@ pub(super) struct Lane<'a> {
 enum Work<'a> {
     Shooting(Box<Shooting<'a>>),
     /// It keeps its light on a device.
-    Device(Box<dyn Solver + 'a>),
+    Device(Box<DeviceLane>),
     Gathering(Box<Gathering>),
     Matrix(Box<Priced<'a>>),
     Rays(Box<Stochastic>),
@@ -55,7 +56,8 @@ enum Work<'a> {
 /// What lanes work with.
 pub(super) struct Tools<'a> {
     pub factors: &'a dyn FormFactors,
-    pub backend: &'a dyn Backend,
+    /// The device, where solvers may keep their light there.
+    pub gpu: Option<&'a Gpu>,
     pub options: &'a SolveOptions,
     /// Whether a lane on a matrix does a sweep only when single shots have cost as much.
     pub in_step: bool,
@@ -105,10 +107,7 @@ impl<'a> Lane<'a> {
                 Work::Matrix(priced) => priced.solver.into_solution(),
                 Work::Rays(solver) => solver.into_solution(),
                 Work::Links(solver) => solver.into_solution(),
-                Work::Device(mut solver) => {
-                    solver.settle();
-                    solver.solution().clone()
-                }
+                Work::Device(lane) => lane.into_solution(),
                 Work::Gathering(gathering) => gathering.base,
                 Work::Waiting(solution) => *solution,
             },
@@ -127,7 +126,7 @@ impl<'a> Lane<'a> {
         let start = Instant::now();
         match &mut self.work {
             Work::Shooting(solver) => drop(solver.step()),
-            Work::Device(solver) => drop(solver.step()),
+            Work::Device(lane) => lane.step(),
             Work::Gathering(gathering) => gathering.step(),
             Work::Rays(solver) => drop(solver.step()),
             Work::Links(solver) => drop(solver.step()),
@@ -141,7 +140,7 @@ impl<'a> Lane<'a> {
     pub fn progress(&self) -> Progress {
         match &self.work {
             Work::Shooting(solver) => solver.progress(),
-            Work::Device(solver) => solver.progress(),
+            Work::Device(lane) => lane.progress(),
             Work::Gathering(gathering) => gathering.progress(),
             Work::Matrix(priced) => priced.solver.progress(),
             Work::Rays(solver) => solver.progress(),
@@ -162,11 +161,22 @@ impl<'a> Lane<'a> {
             Work::Rays(solver) => return solver.is_finished(self.tolerance),
             Work::Links(solver) => return solver.is_finished(self.tolerance),
             Work::Shooting(solver) => solver.is_exhausted(),
-            Work::Device(solver) => solver.is_exhausted(),
             Work::Matrix(priced) => priced.solver.is_exhausted(),
-            Work::Gathering(_) | Work::Waiting(_) => false,
+            Work::Device(_) | Work::Gathering(_) | Work::Waiting(_) => false,
         };
         progress.unshot <= self.tolerance || progress.residual <= 0.0 || is_exhausted
+    }
+
+    /// Whether it has to be put away, because its device has failed.
+    pub fn has_failed(&self) -> bool {
+        matches!(&self.work, Work::Device(lane) if lane.has_failed())
+    }
+
+    /// What is wanted of its light while a device keeps it.
+    pub fn watch(&mut self, watch: Watch) {
+        if let Work::Device(lane) = &mut self.work {
+            lane.watch(watch.elements.into_iter().flatten());
+        }
     }
 
     /// The patch whose turn is next.
@@ -182,42 +192,53 @@ impl<'a> Lane<'a> {
         }
     }
 
-    /// The light as it stands.
-    pub fn shown(&mut self) -> Solution {
-        match &mut self.work {
+    /// The light as it stands; if a device keeps it, as it last came from there unless all of it is wanted.
+    pub fn shown(&mut self, all: bool) -> Arc<Solution> {
+        Arc::new(match &mut self.work {
+            Work::Device(lane) => return lane.light(all),
             Work::Shooting(solver) => solver.solution().clone(),
-            Work::Device(solver) => {
-                solver.settle();
-                solver.solution().clone()
-            }
             Work::Gathering(gathering) => gathering.run.shown().clone(),
             Work::Matrix(priced) => priced.shown(),
             Work::Rays(solver) => solver.solution().clone(),
             Work::Links(solver) => solver.solution().clone(),
             Work::Waiting(solution) => (**solution).clone(),
-        }
+        })
     }
 
     /// What can be said of the error while the light is not found.
     fn estimate(&self, solution: &Solution, progress: &Progress) -> Option<f64> {
         match &self.work {
-            Work::Shooting(_) | Work::Device(_) => Some(share_to_come(solution)),
+            Work::Shooting(_) => Some(share_to_come(
+                mean_irradiance(solution),
+                ambient_irradiance(solution),
+            )),
+            Work::Device(lane) => Some(share_to_come(lane.mean(), lane.ambient())),
             // Before the second round nothing is known of it.
             Work::Rays(_) => progress.noise.filter(|noise| noise.is_finite()),
             Work::Gathering(_) | Work::Matrix(_) | Work::Links(_) | Work::Waiting(_) => None,
         }
     }
 
-    /// What the window sees of it; notes the moment in its history.
-    pub fn view(&mut self, truth: Option<&Solution>) -> LaneView {
-        let solution = self.shown();
-        let ambient = if self.kind == SolverKind::AmbientShooting {
-            ambient_irradiance(&solution)
-        } else {
-            Rgb::BLACK
+    fn ambient(&self, solution: &Solution) -> Rgb {
+        match &self.work {
+            _ if self.kind != SolverKind::AmbientShooting => Rgb::BLACK,
+            Work::Device(lane) => lane.ambient(),
+            _ => ambient_irradiance(solution),
+        }
+    }
+
+    /// What the window sees of it, with all light if that is wanted; notes the moment in its history.
+    pub fn view(&mut self, truth: Option<&Solution>, all: bool) -> LaneView {
+        let solution = self.shown(all);
+        let ambient = self.ambient(&solution);
+        let on_device = match &self.work {
+            Work::Device(lane) => Some(Arc::new(lane.view())),
+            _ => None,
         };
-        let error =
-            truth.map(|truth| relative_error(&shown_radiosity(&solution, self.kind), truth));
+        let is_here = on_device.as_ref().is_none_or(|device| device.is_brought);
+        let error = truth
+            .filter(|_| is_here)
+            .map(|truth| relative_error(&shown_radiosity(&solution, self.kind), truth));
         let progress = self.progress();
         self.history.push(Moment {
             seconds: self.seconds,
@@ -228,7 +249,8 @@ impl<'a> Lane<'a> {
         });
         LaneView {
             kind: self.kind,
-            solution: Arc::new(solution),
+            solution,
+            on_device,
             ambient,
             progress,
             shooter: self.shooter(),
@@ -294,16 +316,18 @@ fn shooting<'a>(
             order,
         ))));
     }
-    let kept = solution.clone();
-    match tools.backend.shooting(solution, tools.options, order) {
-        Ok(Shooter::Own(solver)) => Ok(Work::Device(solver)),
-        Ok(Shooter::None(solution)) => Ok(Work::Shooting(Box::new(Shooting::new(
-            tools.factors,
-            *solution,
-            order,
-        )))),
-        Err(error) => Err((error, Box::new(kept))),
+    if let Some(gpu) = tools.gpu.filter(|_| order == Order::Sorted) {
+        match gpu.shoot(solution.clone(), tools.options) {
+            Ok(Some(solver)) => return Ok(Work::Device(Box::new(DeviceLane::new(solver)))),
+            Ok(None) => {}
+            Err(error) => return Err((error, Box::new(solution))),
+        }
     }
+    Ok(Work::Shooting(Box::new(Shooting::new(
+        tools.factors,
+        solution,
+        order,
+    ))))
 }
 
 /// Gathering as it looks. It has no balance of energy; what the last sweep still changed tells how far it is.
@@ -355,20 +379,32 @@ impl Gathering {
 
 /// Share of all light on surfaces that the ambient estimate says is still to come: `A / (H + A)` with the ambient
 /// irradiance A of Cohen et al. 1988 and the mean irradiance H so far, both as luminance.
-fn share_to_come(solution: &Solution) -> f64 {
-    let mesh = solution.mesh();
-    let (mut flux, mut area) = (0.0, 0.0);
-    for e in 0..mesh.elements().len() {
-        let exposed = f64::from(mesh.exposed_area(e));
-        flux += exposed * f64::from(solution.element_irradiance(e).luminance());
-        area += exposed;
-    }
-    let to_come = area * f64::from(ambient_irradiance(solution).luminance());
-    if flux + to_come > 0.0 {
-        (to_come / (flux + to_come)).max(0.0)
+fn share_to_come(mean: Rgb, ambient: Rgb) -> f64 {
+    let [known, to_come] = [mean, ambient].map(|light| f64::from(light.luminance()));
+    if known + to_come > 0.0 {
+        (to_come / (known + to_come)).max(0.0)
     } else {
         0.0
     }
+}
+
+/// Mean irradiance of all surfaces.
+fn mean_irradiance(solution: &Solution) -> Rgb {
+    let mesh = solution.mesh();
+    let (mut sum, mut area) = ([0.0; BANDS], 0.0);
+    for e in 0..mesh.elements().len() {
+        let (exposed, light) = (
+            f64::from(mesh.exposed_area(e)),
+            solution.element_irradiance(e),
+        );
+        area += exposed;
+        for (sum, band) in sum.iter_mut().zip(light.to_array()) {
+            *sum += exposed * f64::from(band);
+        }
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
+    let mean = sum.map(|sum| (sum / area.max(f64::MIN_POSITIVE)) as f32);
+    Rgb::from(mean)
 }
 
 fn channels(solution: &Solution) -> impl Iterator<Item = (usize, usize)> + use<> {

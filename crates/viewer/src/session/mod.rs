@@ -6,6 +6,7 @@
 //! stays if the new scene cannot be used.
 
 mod command;
+mod device_lane;
 mod figures;
 mod history;
 mod inbox;
@@ -21,8 +22,9 @@ pub use history::{History, Moment};
 pub use inbox::Inbox;
 pub use mixer::{Mix, MixGroup, MixSource, Mixer};
 pub use settings::{Asked, FactorsBy, MeshSizes, Settings, VARIANTS};
-pub use snapshot::{HemicubePicture, LaneView, PatchRow, Phase, Snapshot, Status};
+pub use snapshot::{HemicubePicture, LaneView, OnDevice, PatchRow, Phase, Snapshot, Status};
 
+use hemicube_gpu::Context;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -51,6 +53,8 @@ pub(crate) struct Board {
     /// Least microseconds between two snapshots.
     pace: AtomicU64,
     wake: Mutex<Box<dyn Fn() + Send>>,
+    /// The device that the window draws with.
+    device: Mutex<Option<Arc<Context>>>,
 }
 
 struct EndOnDrop {
@@ -73,6 +77,7 @@ impl Session {
             status: Mutex::new(Status::default()),
             pace: AtomicU64::new(33_000),
             wake: Mutex::new(Box::new(|| {})),
+            device: Mutex::new(None),
         });
         let worker = worker::Worker::new(inbox.clone(), board.clone(), settings);
         // It is one of the threads that it computes with.
@@ -91,6 +96,12 @@ impl Session {
     /// `wake` is called, from the worker's thread, when there is something new to see.
     pub fn wake_by(&self, wake: impl Fn() + Send + 'static) {
         *lock(&self.board.wake) = Box::new(wake);
+    }
+
+    /// Where solvers use a GPU they use this device, whose window can then draw from their buffers. To be told before
+    /// anything is opened.
+    pub fn solve_on(&self, device: Arc<Context>) {
+        *lock(&self.board.device) = Some(device);
     }
 
     /// Least time between two states of the light while it is solved: as often as the window can show it. At first 33 ms.
@@ -129,6 +140,11 @@ impl Board {
     pub(crate) fn set_status(&self, change: impl FnOnce(&mut Status)) {
         change(&mut lock(&self.status));
         self.wake();
+    }
+
+    /// The device that the window draws with.
+    pub(crate) fn device(&self) -> Option<Arc<Context>> {
+        lock(&self.device).clone()
     }
 
     /// Least time between two snapshots.

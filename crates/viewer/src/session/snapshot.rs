@@ -1,7 +1,9 @@
 //! What the worker shows.
 
 use crate::session::History;
+use hemicube_gpu::{ChannelFlux, DeviceLight};
 use hemicube_radiosity::form_factor::hemicube::ItemBuffers;
+use hemicube_radiosity::solution::BANDS;
 use hemicube_radiosity::{PatchMesh, Progress, Solution, SolverKind};
 use hemicube_raster::Rgb;
 use std::sync::Arc;
@@ -22,6 +24,8 @@ pub struct Snapshot {
     pub hemicube: Option<Arc<HemicubePicture>>,
     /// The form factors that were asked for.
     pub row: Option<Arc<PatchRow>>,
+    /// Number of the last [`Command::Bring`](crate::session::Command::Bring) that was obeyed; 0 before the first.
+    pub brought: u64,
 }
 
 impl Snapshot {
@@ -36,8 +40,10 @@ impl Snapshot {
 pub struct LaneView {
     /// Which.
     pub kind: SolverKind,
-    /// Its light.
+    /// Its light; while a device keeps that, the light that last came from there.
     pub solution: Arc<Solution>,
+    /// What is known of the light that a device keeps.
+    pub on_device: Option<Arc<OnDevice>>,
     /// The estimate of the light to come, for display; black where the way has none.
     pub ambient: Rgb,
     /// Where it is.
@@ -48,6 +54,62 @@ pub struct LaneView {
     pub history: Arc<History>,
     /// Whether it is at its end.
     pub is_finished: bool,
+}
+
+impl LaneView {
+    /// Whether `solution` has the newest light.
+    pub fn has_light(&self) -> bool {
+        let device = self.on_device.as_ref();
+        device.is_none_or(|device| device.is_brought)
+    }
+
+    /// Flux that a light group brings to the surfaces, over bands and undimmed.
+    pub fn received(&self, group: usize) -> f64 {
+        if let Some(device) = self.on_device.as_ref().filter(|_| !self.has_light()) {
+            let channels = device.fluxes.iter().skip(BANDS * group).take(BANDS);
+            return channels.map(|flux| flux.received).sum();
+        }
+        let mesh = self.solution.mesh();
+        let of_band = |band: usize| {
+            let irradiance = self.solution.irradiance(group, band).iter().enumerate();
+            irradiance
+                .map(|(e, &h)| f64::from(h) * f64::from(mesh.exposed_area(e)))
+                .sum::<f64>()
+        };
+        (0..BANDS).map(of_band).sum()
+    }
+
+    /// Irradiance of an element with factors on its light groups, if that is known here. Groups beyond `dims` count as they
+    /// were solved.
+    pub fn watched(&self, element: usize, dims: &[Rgb]) -> Option<Rgb> {
+        let device = self.on_device.as_ref()?;
+        let (_, light) = device.watched.iter().find(|(e, _)| *e == element)?;
+        let mut sum = Rgb::BLACK;
+        for (channel, &irradiance) in light.iter().enumerate() {
+            let dim = dims.get(channel / BANDS).copied().unwrap_or(Rgb::WHITE);
+            sum[channel % BANDS] += irradiance * dim[channel % BANDS];
+        }
+        Some(sum)
+    }
+}
+
+/// What is known of light that a device keeps.
+#[derive(Debug, Clone)]
+pub struct OnDevice {
+    /// Where it is, for pictures on that device.
+    pub light: DeviceLight,
+    /// Whether it has come here, too.
+    pub is_brought: bool,
+    /// Sums of each channel: `[group * 3 + band]`, undimmed.
+    pub fluxes: Vec<ChannelFlux>,
+    /// Irradiance of the elements that are watched, by channel.
+    pub watched: Vec<(usize, Vec<f32>)>,
+    /// Steps so far: submissions of several hemicubes.
+    pub steps: u64,
+    /// Bytes that came here after steps.
+    pub step_bytes: u64,
+    /// Bytes that came here with all light.
+    pub light_bytes: u64,
 }
 
 /// What a patch sees through the five faces of its hemicube.

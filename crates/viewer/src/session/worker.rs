@@ -16,7 +16,7 @@ use crate::session::loader::Loader;
 use crate::session::{
     Board, Command, FactorsBy, History, Inbox, LaneView, Phase, Settings, Snapshot, Source, Watch,
 };
-use hemicube_gpu::{Context, Gpu};
+use hemicube_gpu::{Context, Gpu, GpuError};
 use hemicube_radiosity::backend::{Backend, Cpu};
 use hemicube_radiosity::form_factor::{Cached, FormFactors};
 use hemicube_radiosity::{
@@ -40,6 +40,9 @@ pub(super) struct Worker {
     /// Single steps that are still to be done.
     steps_wanted: u64,
     watch: Watch,
+    /// Numbers of the last wish for light that a device keeps, and of the last that came true.
+    asked_for_light: u64,
+    brought: u64,
     job: Option<Job>,
     gpu: Option<Arc<Context>>,
     serial: u64,
@@ -74,6 +77,8 @@ impl Worker {
             is_running: true,
             steps_wanted: 0,
             watch: Watch::default(),
+            asked_for_light: 0,
+            brought: 0,
             job: None,
             gpu: None,
             serial: 0,
@@ -133,6 +138,7 @@ impl Worker {
             Command::Configure(settings) => self.configure(settings),
             Command::Edit(edit) => self.edit(&edit),
             Command::Watch(watch) => self.watch = watch,
+            Command::Bring(number) => self.asked_for_light = number,
             Command::Loaded(ticket, result) if self.loader.is_newest(ticket) => {
                 self.loader.cancel();
                 self.take_over(result);
@@ -206,8 +212,9 @@ impl Worker {
         self.board
             .set_status(|status| status.phase = Phase::Preparing);
         let options = self.settings.solve_options();
-        let backend = self.backend();
-        let factors = match job.factors(self.settings.factors, &*backend, &options) {
+        let gpu = self.gpu();
+        let backend: &dyn Backend = gpu.as_ref().map_or(&Cpu, |gpu| gpu);
+        let factors = match job.factors(self.settings.factors, backend, &options) {
             Ok(factors) => factors,
             Err(error) => return self.give_up(job, &error),
         };
@@ -215,7 +222,7 @@ impl Worker {
         let stop = move || inbox.is_full();
         let tools = Tools {
             factors: &*factors,
-            backend: &*backend,
+            gpu: gpu.as_ref(),
             options: &options,
             in_step: self.settings.side_by_side,
             stop: &stop,
@@ -272,12 +279,14 @@ impl Worker {
             for command in light {
                 self.obey(command);
             }
-            if self.inbox.is_full() || lanes.iter().any(Lane::is_waiting) {
+            let is_stuck = |lane: &Lane<'_>| lane.is_waiting() || lane.has_failed();
+            if self.inbox.is_full() || lanes.iter().any(is_stuck) {
                 return;
             }
+            lanes.iter_mut().for_each(|lane| lane.watch(self.watch));
             let is_done = lanes.iter().all(Lane::is_finished);
             if is_done && job.truth.is_none() && lanes.len() == 1 {
-                job.truth = Some(Arc::new(lanes[0].shown()));
+                job.truth = Some(lanes[0].shown(true));
             }
             let goes_on = !is_done && (self.is_running || self.steps_wanted > 0);
             if goes_on {
@@ -334,12 +343,18 @@ impl Worker {
         at_once: bool,
     ) {
         pace.is_behind = true;
-        if !at_once && !pace.is_due(self.board.pace()) {
+        let is_asked = self.asked_for_light != self.brought;
+        if !at_once && !is_asked && !pace.is_due(self.board.pace()) {
             return;
         }
         let begin = Instant::now();
         let truth = job.truth.as_deref();
-        let views: Vec<LaneView> = lanes.iter_mut().map(|lane| lane.view(truth)).collect();
+        // Light that a device keeps comes when somebody wants it, and when the solver rests.
+        let all = at_once || is_asked;
+        let view = |lane: &mut Lane<'_>| lane.view(truth, all);
+        let views: Vec<LaneView> = lanes.iter_mut().map(view).collect();
+        self.brought = self.asked_for_light;
+        let is_whole = views.iter().all(LaneView::has_light);
         let shooter = views[0].shooter;
         let hemicube = figures.hemicube(self.watch, shooter, at_once);
         let row = figures.row(self.watch, &**factors);
@@ -351,35 +366,48 @@ impl Worker {
             source_of_material: job.source_of_material.clone(),
             hemicube,
             row,
+            brought: self.brought,
         });
         if let Some(rate) = pace.rate() {
             self.board
                 .set_status(|status| status.steps_per_second = rate);
         }
         pace.shown(begin);
+        pace.is_behind = !is_whole;
     }
 
-    /// What makes form factors, as the settings say and the machine allows.
-    fn backend(&mut self) -> Box<dyn Backend> {
+    /// The device that makes form factors, if the settings want one and the machine has it.
+    fn gpu(&mut self) -> Option<Gpu> {
         if self.settings.factors != FactorsBy::Gpu {
-            return Box::new(Cpu);
+            return None;
         }
         let board = self.board.clone();
         let tell = move |why: String| {
             let note = format!("{why}; going on with the CPU's hemicubes");
             board.set_status(|status| status.note = Some(note));
         };
-        if self.gpu.as_ref().is_none_or(|gpu| gpu.failure().is_some()) {
-            match Context::headless(None) {
-                Ok(context) => self.gpu = Some(Arc::new(context)),
-                Err(error) => {
-                    tell(error.to_string());
-                    return Box::new(Cpu);
-                }
+        match self.device() {
+            Ok(context) => {
+                Some(Gpu::new(context).with_report(move |error| tell(error.to_string())))
+            }
+            Err(error) => {
+                tell(error.to_string());
+                None
             }
         }
-        let context = self.gpu.clone().expect("it was just made");
-        Box::new(Gpu::new(context).with_report(move |error| tell(error.to_string())))
+    }
+
+    /// The device of the window, which can then draw from the solver's buffers; one of its own where there is no window.
+    fn device(&mut self) -> Result<Arc<Context>, GpuError> {
+        if let Some(shared) = self.board.device() {
+            return shared.failure().map_or(Ok(shared), Err);
+        }
+        if let Some(own) = self.gpu.clone().filter(|gpu| gpu.failure().is_none()) {
+            return Ok(own);
+        }
+        let new = Arc::new(Context::headless(None)?);
+        self.gpu = Some(new.clone());
+        Ok(new)
     }
 }
 

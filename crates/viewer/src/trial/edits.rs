@@ -4,7 +4,6 @@ use crate::desk::Desk;
 use crate::session::Snapshot;
 use crate::trial::ON_SCREEN;
 use hemicube_radiosity::MaterialEdit;
-use hemicube_radiosity::solution::BANDS;
 use std::time::{Duration, Instant};
 
 /// Factor on the lamp; every second edit takes it back.
@@ -60,7 +59,7 @@ impl Edits {
     /// A picture of this light was drawn.
     pub fn drawn(&mut self, snapshot: &Snapshot) {
         if let Some(pending) = &mut self.pending {
-            let now = flux(snapshot, pending.group);
+            let now = snapshot.lanes[0].received(pending.group);
             let change = (now - pending.before) / (pending.after - pending.before);
             pending.frames += u32::from(change >= SEEN && pending.frames == 0);
         }
@@ -80,7 +79,7 @@ fn edit(desk: &mut Desk, count: u32) -> Option<Pending> {
     let (material, group, before) = lamps
         .filter_map(|(material, &group)| {
             let group = group.filter(|_| materials[material].emits())?;
-            Some((material, group, flux(&snapshot, group)))
+            Some((material, group, snapshot.lanes[0].received(group)))
         })
         .max_by(|a, b| a.2.total_cmp(&b.2))?;
     let factor = if count.is_multiple_of(2) {
@@ -97,16 +96,4 @@ fn edit(desk: &mut Desk, count: u32) -> Option<Pending> {
         after: before * f64::from(factor),
         frames: 0,
     })
-}
-
-/// Flux that a group's light brings to the surfaces.
-fn flux(snapshot: &Snapshot, group: usize) -> f64 {
-    let (mesh, solution) = (snapshot.mesh(), &snapshot.lanes[0].solution);
-    let of_band = |band: usize| {
-        let irradiance = solution.irradiance(group, band).iter().enumerate();
-        irradiance
-            .map(|(e, &h)| f64::from(h) * f64::from(mesh.exposed_area(e)))
-            .sum::<f64>()
-    };
-    (0..BANDS).map(of_band).sum()
 }

@@ -15,10 +15,12 @@ mod report;
 
 use crate::desk::Desk;
 use crate::frames::FrameTimes;
+use crate::session::OnDevice;
 use edits::Edits;
 use probe::Probe;
 use process::{cpu_by_threads, resident_memory};
 use report::{Cpu, Report};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Radians a second that the eye turns by.
@@ -41,6 +43,8 @@ pub struct Trial {
     walk: Figures,
     waits: FrameTimes,
     edits: Edits,
+    /// What was known last of light that a device keeps.
+    on_device: Option<Arc<OnDevice>>,
     /// Bytes of memory, at times since the window was opened.
     memory: Vec<(Duration, u64)>,
     /// A change is waited for a little longer than the trial lasts.
@@ -92,6 +96,7 @@ impl Trial {
             walk: Figures::default(),
             waits: FrameTimes::of_all(),
             edits: Edits::default(),
+            on_device: None,
             memory: Vec::new(),
             is_over: false,
         }
@@ -146,6 +151,7 @@ impl Trial {
         }
         if let Some(snapshot) = &desk.snapshot {
             self.edits.drawn(snapshot);
+            self.on_device.clone_from(&snapshot.lanes[0].on_device);
         }
     }
 
@@ -165,6 +171,7 @@ impl Trial {
             edits: &self.edits.times,
             unseen: self.edits.waiting(),
             memory: &self.memory,
+            on_device: self.on_device.as_deref(),
         };
         Some(report.to_string())
     }

@@ -1,6 +1,7 @@
 //! What a trial tells.
 
 use crate::frames::FrameTimes;
+use crate::session::OnDevice;
 use crate::trial::Figures;
 use core::fmt;
 use std::collections::BTreeMap;
@@ -47,6 +48,8 @@ pub struct Report<'a> {
     /// Since when a change is waited for that was not seen yet.
     pub unseen: Option<Duration>,
     pub memory: &'a [(Duration, u64)],
+    /// What is known of light that a device keeps.
+    pub on_device: Option<&'a OnDevice>,
 }
 
 impl fmt::Display for Report<'_> {
@@ -69,6 +72,15 @@ impl fmt::Display for Report<'_> {
             )?;
         }
         edits(f, self.edits, self.unseen)?;
+        if let Some(device) = self.on_device {
+            writeln!(
+                f,
+                "light on device    {} bytes back after each of {} steps, {} KiB with all light",
+                device.step_bytes.checked_div(device.steps).unwrap_or(0),
+                device.steps,
+                device.light_bytes >> 10
+            )?;
+        }
         memory(f, self.memory)
     }
 }
