@@ -1,6 +1,6 @@
 //! Light at vertices: linear light stays linear, and nothing bleeds.
 
-use hemicube::radiosity::patch::{NodeKind, PatchMesh, PatchOptions};
+use hemicube::radiosity::patch::{PatchMesh, PatchOptions};
 use hemicube::radiosity::stop::NEVER;
 use hemicube::radiosity::{DrawnMesh, Grouping, Solution};
 use hemicube::raster::Rgb;
