@@ -7,9 +7,36 @@ use hemicube::radiosity::{AdaptiveOptions, PatchOptions, Solution, SolveOptions,
 use hemicube_tests::shown_light::{Gathered, gathered, shown_error};
 use hemicube_tests::solutions::built_in;
 
-const UNIFORM: [usize; 4] = [1000, 4000, 16_000, 64_000];
-const CONTRASTS: [f32; 3] = [0.4, 0.2, 0.1];
-/// Elements before any refinement.
+/// What is compared in a scene.
+struct Room {
+    name: &'static str,
+    /// Elements asked for of uniform meshes; the last but one is what the truth is gathered from.
+    uniform: &'static [usize],
+    /// Most elements of adaptive ones.
+    limits: &'static [usize],
+}
+
+const ROOMS: [Room; 3] = [
+    Room {
+        name: "cornell",
+        uniform: &[1000, 4000, 16_000, 64_000],
+        limits: &[2000, 4000, 8000],
+    },
+    Room {
+        name: "two-rooms",
+        uniform: &[1000, 4000, 16_000, 64_000],
+        limits: &[2000, 4000, 8000],
+    },
+    // It has 13,703 faces.
+    Room {
+        name: "office",
+        uniform: &[1000, 16_000, 64_000],
+        limits: &[20_000, 40_000],
+    },
+];
+/// Low enough that the number of elements decides.
+const CONTRAST: f32 = 0.02;
+/// Elements asked for before any refinement.
 const FIRST: usize = 1000;
 const PLACES: usize = 4000;
 const GATHERED_RAYS: u32 = 2048;
@@ -18,17 +45,25 @@ const GATHERED_RAYS: u32 = 2048;
 type Figure = (f64, f64);
 
 fn main() {
-    for scene in ["cornell", "two-rooms"] {
-        let truth = gathered(&solved(scene, 16_000, None), PLACES, GATHERED_RAYS);
+    let only = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
+    for room in ROOMS {
+        let scene = room.name;
+        if only.as_ref().is_some_and(|only| only != scene) {
+            continue;
+        }
+        let fine = room.uniform[room.uniform.len() - 2];
+        let truth = gathered(&solved(scene, fine, None), PLACES, GATHERED_RAYS);
         println!("{scene}: RMS error of {PLACES} places, relative to the mean");
-        let uniform: Vec<Figure> = UNIFORM
+        let uniform: Vec<Figure> = room
+            .uniform
             .iter()
             .map(|&elements| figure(scene, "uniform", elements, None, &truth))
             .collect();
-        for contrast in CONTRASTS {
-            let adaptive = AdaptiveOptions::default().with_contrast(contrast);
-            let name = format!("contrast {contrast}");
-            let (elements, error) = figure(scene, &name, FIRST, Some(adaptive), &truth);
+        for &limit in room.limits {
+            let adaptive = AdaptiveOptions::default()
+                .with_contrast(CONTRAST)
+                .with_most_elements(limit);
+            let (elements, error) = figure(scene, "adaptive", FIRST, Some(adaptive), &truth);
             println!("  {}", compared(&uniform, elements, error));
         }
     }
@@ -59,7 +94,7 @@ fn figure(
     assert!(error < 0.5, "{scene}, {name}: error {error}");
     let count = solution.mesh().elements().len();
     println!(
-        "  {name:14} {count:7} elements, error {:5.2} %, {seconds:5.1} CPU seconds",
+        "  {name:8} {count:7} elements, error {:5.2} %, {seconds:5.1} CPU seconds",
         100.0 * error
     );
     (count as f64, error)

@@ -1,6 +1,6 @@
 // Light of elements, kept by group and band as solvers keep it, into what pictures show: `elements` adds groups up as dimmed,
-// `vertices` takes means around vertices. Twin of radiosity/src/vertex_light.rs. It reads a solver's own buffer, so light that is
-// solved on the device is drawn without leaving it.
+// `vertices` takes it to vertices, limited where it is extrapolated. Twin of radiosity/src/vertex_light.rs. It reads a
+// solver's own buffer, so light that is solved on the device is drawn without leaving it.
 
 struct LightParams {
     elements: u32,
@@ -52,8 +52,23 @@ fn vertices(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         return;
     }
     var sum = vec3(0.0);
+    var least = vec3(3.0e38);
+    var most = vec3(0.0);
+    var is_extrapolated = false;
     for (var i = ranges[v].x; i < ranges[v].y; i++) {
-        sum += element_light[sources[i]].rgb * weights[i];
+        let light = element_light[sources[i]].rgb;
+        sum += light * weights[i];
+        is_extrapolated |= weights[i] < 0.0;
+        // Buried elements have no light and no weight.
+        if weights[i] != 0.0 {
+            least = min(least, light);
+            most = max(most, light);
+        }
+    }
+    if is_extrapolated {
+        let beyond = most - least;
+        // What is added everywhere is in the light of elements already, and is no light to be limited.
+        sum = min(max(sum, max(least - beyond, params.extra.rgb)), most + beyond);
     }
     vertex_light[v] = vec4(sum, 0.0);
 }

@@ -71,6 +71,29 @@ fn real_models_have_no_cracks() {
     }
 }
 
+#[test]
+fn too_many_lines_in_a_cell_are_told() {
+    let shelves = |count: u32| {
+        on_a_floor(|b, grey| {
+            for i in 1..=count {
+                let x = 2.0 * i as f32 / (count + 1) as f32;
+                let low = Vec3::new(x - 0.005, 0.0, 0.2);
+                let high = Vec3::new(x + 0.005, 1.0, 1.8);
+                b.cuboid(grey, low, high, Sides::without(&[Sides::BOTTOM]));
+            }
+        })
+    };
+    for (count, is_told) in [(4, false), (60, true)] {
+        let options = PatchOptions::default().with_element_size(2.5);
+        let mesh = mesh_of(shelves(count), options);
+        let warnings = &mesh.report().warnings;
+        let told = warnings.iter().filter(|w| w.place == "cuts").count();
+        assert_eq!(told, usize::from(is_told), "{count}: {warnings:?}");
+        assert_eq!(mesh.cuts().crowded > 0, is_told, "{count} shelves");
+        assert_sound("shelves", &mesh);
+    }
+}
+
 /// A floor of two by two metres from two faces, with something on it.
 fn on_a_floor(build: impl FnOnce(&mut SceneBuilder, usize)) -> Scene {
     let mut builder = SceneBuilder::new("floor", Units::Photometric);

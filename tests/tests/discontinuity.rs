@@ -5,6 +5,7 @@
 //! the points of the floor that see a part of the lamp.
 
 use glam::{DVec2, DVec3, Vec3};
+use hemicube::radiosity::form_factor::polygon::common_part;
 use hemicube::radiosity::patch::face::Side;
 use hemicube::radiosity::{PatchMesh, PatchOptions};
 use hemicube::raster::Rgb;
@@ -72,7 +73,10 @@ impl Stage {
             point + offset * ((height - point.y) / offset.y)
         });
         let all = factor(&lamp, point);
-        (all - factor(&common_part(&lamp, &shadow), point), all)
+        (
+            all - factor(&common_part(&lamp, &shadow, DVec3::NEG_Y), point),
+            all,
+        )
     }
 }
 
@@ -90,28 +94,6 @@ fn factor(polygon: &[DVec3], point: DVec3) -> f64 {
         }
     });
     (terms.sum::<f64>() / core::f64::consts::TAU).abs()
-}
-
-/// The part of a horizontal polygon inside a convex one in its plane, both wound alike.
-fn common_part(polygon: &[DVec3], inside: &[DVec3]) -> Vec<DVec3> {
-    let flat = |p: DVec3| DVec2::new(p.x, p.z);
-    let mut part = polygon.to_vec();
-    for i in 0..inside.len() {
-        let (a, b) = (flat(inside[i]), flat(inside[(i + 1) % inside.len()]));
-        let height = |p: DVec3| (b - a).perp_dot(flat(p) - a);
-        let before = core::mem::take(&mut part);
-        for (k, &p) in before.iter().enumerate() {
-            let next = before[(k + 1) % before.len()];
-            let (hp, hn) = (height(p), height(next));
-            if hp >= 0.0 {
-                part.push(p);
-            }
-            if hp * hn < 0.0 {
-                part.push(p.lerp(next, hp / (hp - hn)));
-            }
-        }
-    }
-    part
 }
 
 /// A mesh's elements on the floor and its error in the penumbra.

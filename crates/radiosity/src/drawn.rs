@@ -1,6 +1,6 @@
 //! The mesh as it is drawn: vertices with irradiance, split where light, material or texture coordinates break.
 //!
-//! Elements carry constant values; a vertex takes a [mean](crate::vertex_light) of the elements around it, so light is
+//! Elements carry constant values; a vertex takes [what those around it tell](crate::vertex_light), so light is
 //! continuous over smooth surfaces and breaks at edges.
 
 use crate::patch::{NodeId, NodeKind, PatchMesh};

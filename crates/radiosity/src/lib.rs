@@ -31,10 +31,11 @@
 //!
 //! Models are mended before they are cut ([`patch::clean`]). Elements are cut where faces meet ([`patch::constraints`])
 //! and, if asked, along the borders of shadows ([`patch::discontinuities`]); parts smaller than a quarter of an element
-//! stay uncut, faces that cross in more than 2048 segments keep the first, a cell the first 32, and round lamps and
-//! windows cast no lines. [`adaptive`] cuts elements where light varies; each round asks for the rows of all patches to
-//! all elements of the new mesh, also to those that stayed, so it takes as long as solving once for every level; at
-//! borders of surfaces a vertex takes the mean of the elements along them, half an element off.
+//! stay uncut, faces that cross in more than 2048 segments keep the first, a cell the first 32 (a warning counts those), and
+//! round lamps and windows cast no lines. [`adaptive`] cuts elements where light varies. With ray-cast factors only new
+//! elements ask for light, by pairs that are drawn, and patches keep theirs; with other ways to factors each round asks for
+//! the rows of all patches, with rays and links it solves anew, so those take as long as solving once for every level.
+//! Between vertices light is linear; at borders of surfaces it is extrapolated ([`vertex_light`]).
 //!
 //! Coordinates are f32: a scene more than a hundred times its size away from the origin loses percents. Light that is
 //! not emitted by surfaces (sun, points) does not get more rays for its first reflection than other reflected light.

@@ -148,7 +148,8 @@ pub struct SolveArgs {
     /// edge of the first elements]
     #[arg(long, value_name = "M", allow_negative_numbers = true, requires = "adaptive", value_parser = parse::length)]
     pub smallest: Option<f32>,
-    /// Most elements that --adaptive may come to; those of the largest contrast are cut [default: 4000000]
+    /// Most elements that --adaptive may come to; of those with more contrast the ones that are shown with the largest error
+    /// are cut [default: 4000000]
     #[arg(long, value_name = "N", allow_negative_numbers = true, requires = "adaptive", value_parser = parse::whole::<u32>(1..=parse::MAX_ELEMENTS))]
     pub most_elements: Option<u32>,
     /// Most memory in MiB for the matrix of solvers that work on one, or for links [default: 2048, or what is free if that

@@ -1,7 +1,7 @@
 //! A floor under a square lamp and a square blocker, with its light in closed form and as meshes interpolate it.
 
 use glam::{DVec2, DVec3, Vec3};
-use hemicube_radiosity::form_factor::polygon::{FlatPolygon, point_to_polygon};
+use hemicube_radiosity::form_factor::polygon::{FlatPolygon, common_part, point_to_polygon};
 use hemicube_radiosity::patch::face::Side;
 use hemicube_radiosity::{PatchMesh, PatchOptions, RadiosityError};
 use hemicube_raster::Rgb;
@@ -73,7 +73,7 @@ impl Penumbra {
             let offset = corner.as_dvec3() - point;
             point + offset * (lamp[0].y / offset.y)
         });
-        let hidden = common_part(&lamp, &shadow);
+        let hidden = common_part(&lamp, &shadow, DVec3::NEG_Y);
         let to = |polygon: &[DVec3]| -> f64 {
             let triangles = (2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]);
             let factor = |corners: [DVec3; 3]| {
@@ -84,28 +84,6 @@ impl Penumbra {
         let all = to(&lamp);
         [all - to(&hidden), all]
     }
-}
-
-/// The part of a horizontal polygon inside a convex one in its plane, both wound alike (Sutherland, Hodgman 1974).
-fn common_part(polygon: &[DVec3], inside: &[DVec3]) -> Vec<DVec3> {
-    let flat = |p: DVec3| DVec2::new(p.x, p.z);
-    let mut part = polygon.to_vec();
-    for (i, &a) in inside.iter().enumerate() {
-        let edge = flat(inside[(i + 1) % inside.len()] - a);
-        let height = |p: DVec3| edge.perp_dot(flat(p - a));
-        let before = core::mem::take(&mut part);
-        for (k, &p) in before.iter().enumerate() {
-            let next = before[(k + 1) % before.len()];
-            let (here, there) = (height(p), height(next));
-            if here >= 0.0 {
-                part.push(p);
-            }
-            if here * there < 0.0 {
-                part.push(p.lerp(next, here / (here - there)));
-            }
-        }
-    }
-    part
 }
 
 /// The floor of a mesh with exact light at its vertices.

@@ -6,24 +6,30 @@
 //!
 //! | solver | light on the new elements |
 //! |---|---|
-//! | shooting, matrices | each patch shoots once what it has shot before, by its row to the new elements; sorted shooting spreads what that changes |
+//! | shooting, matrices, by rays | new elements receive from the patches that matter to them what those have shot, others keep their light; after the last round sorted shooting spreads what that changes |
+//! | shooting, matrices, else | each patch shoots once what it has shot before, by its row to all elements; sorted shooting spreads what that changes |
 //! | rays, links | the scene is solved again on the new mesh: their light is not of patches |
 
 mod contrast;
+mod order;
+mod receive;
 mod transfer;
 
 pub use contrast::{FLOOR, contrasts};
 
-use self::transfer::transferred;
+use self::order::{error_estimates, to_cut};
+use self::transfer::{received_by_new, transferred};
 use crate::backend::Backend;
 use crate::error::RadiosityError;
-use crate::form_factor::{Cached, FormFactors};
+use crate::form_factor::raycast::Strategy;
+use crate::form_factor::{Cached, FormFactorKind, FormFactors, RayCast, RayCastOptions};
 use crate::job::{ROW_BUDGET, SolveOptions, Way, converge};
 use crate::patch::{MAX_ELEMENTS, PatchMesh, RefinementPlan};
 use crate::primary::primary_irradiance_until;
 use crate::solution::Solution;
 use crate::solve::{Order, Progress, Shooting, Solver, run};
 use crate::stop::Stop;
+use hemicube_raster::Rgb;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -45,8 +51,8 @@ pub struct AdaptiveOptions {
     /// Edges of at most this length are not cut. Default value: a sixteenth of the longest edge of the mesh's first
     /// elements.
     pub smallest: Option<f32>,
-    /// Most elements of a refined mesh; where it would have more, those of the largest contrast are cut. Default value:
-    /// [`MAX_ELEMENTS`].
+    /// Most elements of a refined mesh; where it would have more, those among them are cut that are shown with the largest
+    /// error, by second differences of their light. Default value: [`MAX_ELEMENTS`].
     pub most_elements: usize,
 }
 
@@ -142,22 +148,30 @@ impl AdaptiveOptions {
         let mesh = solution.mesh();
         let (least, smallest) = (self.least_contrast(solution), self.smallest_edge(mesh));
         let contrasts = contrasts(solution);
+        let errors = error_estimates(solution);
         let mut over: Vec<usize> = (0..contrasts.len())
             .filter(|&e| contrasts[e] > least)
             .collect();
-        over.sort_by(|&a, &b| contrasts[b].total_cmp(&contrasts[a]).then(a.cmp(&b)));
+        over.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]).then(a.cmp(&b)));
         let plan = |count: usize| {
             let mut marks = vec![false; contrasts.len()];
             over[..count].iter().for_each(|&e| marks[e] = true);
             mesh.plan_refinement(&marks, smallest)
         };
         let fits = |plan: &RefinementPlan| plan.elements <= self.most_elements;
-        let whole = plan(over.len())?;
+        let room = self.most_elements.saturating_sub(contrasts.len());
+        let wanted = if self.wanted(mesh, least, over.iter().map(|&e| contrasts[e])) > room as f64 {
+            let errors: Vec<f32> = over.iter().map(|&e| errors[e]).collect();
+            to_cut(&errors, room)
+        } else {
+            over.len()
+        };
+        let whole = plan(wanted)?;
         if fits(&whole) {
             return Some(whole);
         }
-        // As many of the largest contrast as fit.
-        let (mut fitting, mut low, mut high) = (None, 0, over.len());
+        // As many of the largest error as fit.
+        let (mut fitting, mut low, mut high) = (None, 0, wanted);
         while high - low > 1 {
             let middle = low.midpoint(high);
             match plan(middle) {
@@ -168,10 +182,25 @@ impl AdaptiveOptions {
         fitting
     }
 
+    /// About how many elements more there would be in the end if only contrast and size ended it; a cut halves contrast.
+    fn wanted(&self, mesh: &PatchMesh, least: f32, over: impl Iterator<Item = f32>) -> f64 {
+        let most = self.halvings(mesh);
+        let more = |contrast: f32| {
+            let halvings = (contrast / least).log2().ceil().clamp(0.0, most);
+            f64::from(halvings).exp2().powi(2) - 1.0
+        };
+        over.map(more).sum()
+    }
+
+    /// How often the longest edge is halved until it is as small as allowed.
+    fn halvings(&self, mesh: &PatchMesh) -> f32 {
+        let halvings = (mesh.longest_unrefined_edge() / self.smallest_edge(mesh)).log2();
+        halvings.clamp(0.0, 24.0).ceil()
+    }
+
     /// Rounds of refinement at most.
     fn most_rounds(&self, mesh: &PatchMesh) -> u32 {
-        let halvings = (mesh.longest_unrefined_edge() / self.smallest_edge(mesh)).log2();
-        whole(halvings.clamp(0.0, 24.0)) + MORE_ROUNDS
+        whole(self.halvings(mesh)) + MORE_ROUNDS
     }
 }
 
@@ -189,6 +218,7 @@ pub(crate) fn converge_and_refine(
         backend,
         stop,
         first_step: solution.provenance.steps,
+        primary: Vec::new(),
         go_on,
         is_over: false,
     };
@@ -209,7 +239,7 @@ pub(crate) fn converge_and_refine(
             None => break,
         }
     }
-    Ok(solution)
+    Ok(work.settled(solution))
 }
 
 /// What solves, round after round, and when it ends.
@@ -218,6 +248,9 @@ struct Work<'a> {
     backend: &'a dyn Backend,
     stop: Stop<'a>,
     first_step: u64,
+    /// What lights and sky bring to the elements of the mesh as it is; empty before the first round in which new elements
+    /// receive.
+    primary: Vec<Rgb>,
     go_on: &'a mut dyn FnMut(&Progress, &Solution) -> bool,
     is_over: bool,
 }
@@ -258,14 +291,14 @@ impl Work<'_> {
         old: &Solution,
         mesh: Arc<PatchMesh>,
     ) -> Result<Option<Solution>, RadiosityError> {
-        let primary =
-            primary_irradiance_until(&mesh, self.options.rays, self.options.seed, self.stop);
-        let primary = match primary {
-            Err(RadiosityError::Stopped(_)) => return Ok(None),
-            primary => primary?,
+        let Some(primary) = self.primary_of(&mesh)? else {
+            return Ok(None);
         };
         match self.options.solver.way() {
             Way::Shooting(_) | Way::OnMatrix(_) => {
+                if self.options.form_factors == FormFactorKind::RayCast {
+                    return self.receive_again(old, primary, mesh);
+                }
                 let factors = self.backend.form_factors(mesh, &self.options)?;
                 Ok(self.shoot_again(old, &primary, &Cached::new(factors, ROW_BUDGET)))
             }
@@ -275,15 +308,76 @@ impl Work<'_> {
         }
     }
 
+    /// What lights and sky bring to the elements of a mesh; none if it was stopped.
+    fn primary_of(&self, mesh: &PatchMesh) -> Result<Option<Vec<Rgb>>, RadiosityError> {
+        match primary_irradiance_until(mesh, self.options.rays, self.options.seed, self.stop) {
+            Err(RadiosityError::Stopped(_)) => Ok(None),
+            primary => primary.map(Some),
+        }
+    }
+
+    /// New elements receive what patches have shot.
+    fn receive_again(
+        &mut self,
+        old: &Solution,
+        primary: Vec<Rgb>,
+        mesh: Arc<PatchMesh>,
+    ) -> Result<Option<Solution>, RadiosityError> {
+        if self.primary.len() != old.mesh().elements().len() {
+            let Some(before) = self.primary_of(old.mesh())? else {
+                return Ok(None);
+            };
+            self.primary = before;
+        }
+        let start = Instant::now();
+        let rays = self.shots(mesh);
+        let both = [&self.primary[..], &primary[..]];
+        let received = received_by_new(old, both, &rays, &self.options, self.stop);
+        self.primary = primary;
+        Ok(received.map(|mut solution| {
+            solution.provenance.rays += rays.rays();
+            solution.provenance.seconds += start.elapsed().as_secs_f64();
+            solution
+        }))
+    }
+
+    /// Spreads what rounds without shots have changed in the light of patches. It is little and smooth: it goes by shots,
+    /// whose cost does not grow with the elements.
+    fn settled(&mut self, solution: Solution) -> Solution {
+        if self.primary.is_empty() || self.is_over(&solution) {
+            return solution;
+        }
+        let rays = self.shots(solution.mesh().clone());
+        self.shoot_rest(solution, &rays, Instant::now())
+    }
+
+    fn shots(&self, mesh: Arc<PatchMesh>) -> RayCast {
+        let options = RayCastOptions {
+            strategy: Strategy::Shots,
+            ..self.options.form_factor_options().raycast
+        };
+        RayCast::new(mesh, options)
+    }
+
     /// Patches shoot what they have shot, and what that changes.
     fn shoot_again(
         &mut self,
         old: &Solution,
-        primary: &[hemicube_raster::Rgb],
+        primary: &[Rgb],
         factors: &dyn FormFactors,
     ) -> Option<Solution> {
         let start = Instant::now();
         let solution = transferred(old, primary, factors, self.stop)?;
+        Some(self.shoot_rest(solution, factors, start))
+    }
+
+    /// Sorted shooting to the end, after a work that began at `start`.
+    fn shoot_rest(
+        &mut self,
+        solution: Solution,
+        factors: &dyn FormFactors,
+        start: Instant,
+    ) -> Solution {
         let mut solver = Shooting::new(factors, solution, Order::Sorted);
         let most = self
             .options
@@ -296,7 +390,7 @@ impl Work<'_> {
         let mut solution = solver.into_solution();
         solution.provenance.rays += factors.rays();
         solution.provenance.seconds += start.elapsed().as_secs_f64();
-        Some(solution)
+        solution
     }
 
     /// The scene is solved from nothing. Where that does not come to its end, the light that was there is better.

@@ -294,6 +294,28 @@ pub(crate) const GAUSS_8: [(f64, f64); 8] = [
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
 
+/// The part of a polygon inside a convex one in its plane, both counter-clockwise about `normal` (Sutherland and Hodgman,
+/// *Reentrant polygon clipping*, CACM 1974). Empty, or of no area, where they have nothing in common.
+pub fn common_part(polygon: &[DVec3], inside: &[DVec3], normal: DVec3) -> Vec<DVec3> {
+    let mut part = polygon.to_vec();
+    for (i, &a) in inside.iter().enumerate() {
+        let edge = inside[(i + 1) % inside.len()] - a;
+        let height = |p: DVec3| edge.cross(p - a).dot(normal);
+        let before = core::mem::take(&mut part);
+        for (k, &p) in before.iter().enumerate() {
+            let next = before[(k + 1) % before.len()];
+            let (here, there) = (height(p), height(next));
+            if here >= 0.0 {
+                part.push(p);
+            }
+            if here * there < 0.0 {
+                part.push(p.lerp(next, here / (here - there)));
+            }
+        }
+    }
+    part
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

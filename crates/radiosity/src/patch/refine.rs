@@ -1,10 +1,12 @@
 //! A posteriori refinement of a mesh: elements are cut further, patches stay.
 
 use crate::error::RadiosityError;
+use crate::patch::face::Side;
 use crate::patch::red_green::{RedTree, Refinement};
 use crate::patch::subdivide::{Cell, Vertices};
-use crate::patch::{MAX_ELEMENTS, NodeId, PatchMesh, id32};
+use crate::patch::{MAX_ELEMENTS, NodeId, NodeKind, PatchMesh, id32};
 use crate::stop::Stop;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A mesh as it was before any refinement, as far as refinement changes it.
@@ -15,6 +17,9 @@ pub(super) struct Base {
     elements: Vec<NodeId>,
     elements_of_patch: Vec<core::ops::Range<u32>>,
 }
+
+/// Face, side, and corners of an element.
+type Shape = (u32, Side, u8, [[u32; 3]; 4]);
 
 /// What a refinement would make of a mesh.
 #[derive(Debug, Clone)]
@@ -54,6 +59,28 @@ impl PatchMesh {
             core::iter::repeat_n(tree.level(leaf), elements)
         });
         levels.flatten().collect()
+    }
+
+    /// For each element the position of the same one in another refinement of the mesh, if it is there.
+    pub(crate) fn elements_kept_of(&self, other: &Self) -> Vec<Option<u32>> {
+        let elements = other.elements.iter().enumerate();
+        let known: HashMap<Shape, u32> = elements
+            .map(|(e, &id)| (other.shape(id), id32(e)))
+            .collect();
+        let elements = self.elements.iter();
+        elements
+            .map(|&id| known.get(&self.shape(id)).copied())
+            .collect()
+    }
+
+    /// What tells an element from others, whatever refinement it is of.
+    fn shape(&self, id: NodeId) -> Shape {
+        let NodeKind::Surface { face, side, .. } = self.nodes[id.index()].kind else {
+            unreachable!("elements are surfaces")
+        };
+        let polygon = self.polygon(id);
+        let corners = polygon.corners.map(|c| c.to_array().map(f32::to_bits));
+        (face, side, polygon.count, corners)
     }
 
     /// Longest edge of the elements before any refinement.

@@ -43,15 +43,19 @@ impl<'a> Joints<'a> {
         }
     }
 
-    /// The segments along which other faces meet a face.
-    pub fn of_face(&self, face: usize) -> Vec<Segment> {
+    /// The segments along which other faces meet a face, and whether some were left out because there are too many.
+    pub fn of_face(&self, face: usize) -> (Vec<Segment>, bool) {
         let target = Target::new(&self.faces[face], self.tolerance);
-        let mut segments = Vec::new();
+        let (mut segments, mut is_crowded) = (Vec::new(), false);
         #[expect(clippy::cast_possible_truncation, reason = "a length of the scene")]
         let reach = self.tolerance as f32;
         for other in self.tree.near(self.faces[face].polygon(), reach) {
-            if other as usize == face || segments.len() >= MOST_OF_FACE {
+            if other as usize == face {
                 continue;
+            }
+            if segments.len() >= MOST_OF_FACE {
+                is_crowded = true;
+                break;
             }
             let other = self.faces[other as usize].polygon();
             if self.lit_sides[face] == 1 && target.is_behind(other) {
@@ -59,11 +63,12 @@ impl<'a> Joints<'a> {
             }
             target.meet(other, &mut segments);
         }
-        without_small_contours(
+        let segments = without_small_contours(
             segments,
             LEAST_CONTOUR * self.element_size,
             4.0 * self.tolerance,
-        )
+        );
+        (segments, is_crowded)
     }
 }
 

@@ -69,14 +69,15 @@ impl Flat {
     }
 }
 
-/// Puts points on the edges that lines cross or end in. Gives the cells that lines come near, with those lines.
+/// Puts points on the edges that lines cross or end in. Gives the cells that lines come near, with those lines, and of how
+/// many cells some were left out.
 pub fn crossed(
     mesh: &PatchMesh,
     lines: &[Vec<Line>],
     edges: &mut EdgePoints,
     vertices: &mut Vertices,
-) -> Vec<(NodeId, Vec<Line>)> {
-    let mut crossed = Vec::new();
+) -> (Vec<(NodeId, Vec<Line>)>, usize) {
+    let (mut crossed, mut crowded) = (Vec::new(), 0);
     for (roots, lines) in mesh.roots.iter().zip(lines) {
         let roots = roots.iter().flatten().filter(|_| !lines.is_empty());
         let mut stack: Vec<(NodeId, Vec<Line>)> = roots.map(|&r| (r, lines.clone())).collect();
@@ -92,6 +93,7 @@ pub fn crossed(
                 stack.extend(mesh.children(id).map(|child| (child, near.clone())));
                 continue;
             }
+            crowded += usize::from(near.len() > MOST_SEGMENTS);
             near.truncate(MOST_SEGMENTS);
             for line in &near {
                 cross_edges(mesh.corners(id), &flat, line, edges, vertices);
@@ -99,7 +101,7 @@ pub fn crossed(
             crossed.push((id, near));
         }
     }
-    crossed
+    (crossed, crowded)
 }
 
 /// Puts points on a cell's edges where a line crosses them or ends in them.

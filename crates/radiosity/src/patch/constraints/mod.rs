@@ -53,6 +53,8 @@ pub struct CutCounts {
     pub cells: usize,
     /// Elements that they became.
     pub elements: usize,
+    /// Faces or cells of which some segments do not cut, because there are too many.
+    pub crowded: usize,
 }
 
 impl PatchMesh {
@@ -70,7 +72,7 @@ impl PatchMesh {
     }
 
     /// The segments along which faces meet.
-    fn joints(&self, sizes: Sizes, stop: Stop<'_>) -> Option<Vec<Vec<Line>>> {
+    fn joints(&mut self, sizes: Sizes, stop: Stop<'_>) -> Option<Vec<Vec<Line>>> {
         let sides = |face: &WorldFace| self.scene.materials[face.material as usize].lit_sides();
         let lit_sides: Vec<usize> = self.faces.iter().map(sides).collect();
         let is_worth_it = |face: usize| lit_sides[face] > 0 && self.is_large(face, sizes);
@@ -81,17 +83,37 @@ impl PatchMesh {
             f64::from(sizes.element),
         );
         let faces = (0..self.faces.len()).into_par_iter();
-        faces
+        let found: Option<Vec<(Vec<Line>, bool)>> = faces
             .map(|face| {
                 (!stop()).then(|| {
                     if !is_worth_it(face) {
-                        return Vec::new();
+                        return (Vec::new(), false);
                     }
-                    let segments = joints.of_face(face).into_iter();
-                    segments.map(|ends| Line { ends, jumps: true }).collect()
+                    let (segments, is_crowded) = joints.of_face(face);
+                    let lines = segments.into_iter().map(|ends| Line { ends, jumps: true });
+                    (lines.collect(), is_crowded)
                 })
             })
-            .collect()
+            .collect();
+        let (lines, crowded): (Vec<_>, Vec<_>) = found?.into_iter().unzip();
+        self.cuts.crowded += crowded.into_iter().filter(|&is_crowded| is_crowded).count();
+        Some(lines)
+    }
+
+    /// One line about segments that were left out.
+    fn warn_of_crowds(&mut self) {
+        let crowded = self.cuts.crowded;
+        if crowded > 0 {
+            let what = format!(
+                "{} met by so many edges of others that some of those do not cut elements; light may leak there, smaller \
+                 elements help",
+                match crowded {
+                    1 => String::from("1 face or cell is"),
+                    _ => format!("{crowded} faces or cells are"),
+                }
+            );
+            self.report.warn("cuts", what);
+        }
     }
 
     /// Whether a face is so large that cutting it makes elements of about the size that was asked for.
@@ -116,7 +138,9 @@ impl PatchMesh {
     ) -> Option<()> {
         let (mut edges, twins) = EdgePoints::new(&self.outlines(), vertices, self.tolerance());
         self.replace_vertices(&twins);
-        let crossed = leaves::crossed(self, lines, &mut edges, vertices);
+        let (crossed, crowded) = leaves::crossed(self, lines, &mut edges, vertices);
+        self.cuts.crowded += crowded;
+        self.warn_of_crowds();
         if crossed.is_empty() && edges.is_empty() {
             return Some(());
         }

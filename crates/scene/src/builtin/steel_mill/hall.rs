@@ -4,6 +4,9 @@ use super::super::build::{SceneBuilder, Sides};
 use super::{BAY, HALL, Palette, RAIL};
 use glam::{Affine3A, Quat, Vec3};
 
+/// Depth of the cladding's waves.
+const DENT: f32 = 0.12;
+
 /// Height of the roof over z: two slopes.
 pub(super) fn roof_at(z: f32) -> f32 {
     HALL.y - 2.4 * (z / HALL.z - 0.5).abs() * 2.0
@@ -25,7 +28,7 @@ pub(super) fn hall(b: &mut SceneBuilder, m: &Palette) {
     // Corrugated sheets above the plinth.
     // Edges of the waves along the long and the short walls.
     let waves = [2 * 67 + 1, 2 * 27 + 1];
-    let dent = |i: usize| if i.is_multiple_of(2) { 0.0 } else { 0.12 };
+    let dent = |i: usize| if i.is_multiple_of(2) { 0.0 } else { DENT };
     let eaves = roof_at(0.0);
     let n = waves[0];
     let x = move |i: usize| HALL.x * i as f32 / (n - 1) as f32;
@@ -52,6 +55,33 @@ pub(super) fn hall(b: &mut SceneBuilder, m: &Palette) {
             z(i),
         )
     });
+    flashing(b, m, [low, eaves]);
+    roof(b, m);
+}
+
+/// Strips that close the waves of the cladding above the plinth and below the roof.
+fn flashing(b: &mut SceneBuilder, m: &Palette, [low, eaves]: [f32; 2]) {
+    b.node("flashing");
+    let up = |[x0, x1]: [f32; 2], [z0, z1]: [f32; 2]| {
+        [(x0, z0), (x0, z1), (x1, z1), (x1, z0)].map(|(x, z)| Vec3::new(x, low, z))
+    };
+    let down = |[x0, x1]: [f32; 2], [z0, z1]: [f32; 2], height: fn(f32) -> f32| {
+        [(x0, z0), (x1, z0), (x1, z1), (x0, z1)].map(|(x, z)| Vec3::new(x, height(z), z))
+    };
+    for across in [[-DENT, 0.0], [HALL.z, HALL.z + DENT]] {
+        b.quad(m.cladding, up([0.0, HALL.x], across));
+        let below = down([0.0, HALL.x], across, |_| 0.0);
+        b.quad(m.cladding, below.map(|p| p.with_y(eaves)));
+    }
+    for across in [[-DENT, 0.0], [HALL.x, HALL.x + DENT]] {
+        b.quad(m.cladding, up(across, [0.0, HALL.z]));
+        for slope in [[0.0, 0.5 * HALL.z], [0.5 * HALL.z, HALL.z]] {
+            b.quad(m.cladding, down(across, slope, roof_at));
+        }
+    }
+}
+
+fn roof(b: &mut SceneBuilder, m: &Palette) {
     b.node("roof");
     for bay in 0..12 {
         let (from, to) = (BAY * bay as f32, BAY * (bay + 1) as f32);

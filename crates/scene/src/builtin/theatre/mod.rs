@@ -111,11 +111,13 @@ pub(super) fn scene() -> Scene {
             floor: 4.6,
             front: 17.0,
             rows: 7,
+            rise: 0.3,
         },
         Level {
             floor: 8.3,
             front: 21.0,
             rows: 6,
+            rise: 0.42,
         },
     ] {
         balcony(&mut builder, &palette, &level);

@@ -100,11 +100,13 @@ pub(super) fn stalls(b: &mut SceneBuilder, m: &Palette) {
     }
 }
 
-/// A balcony: height of its lowest floor, where its front stands in the middle, how many rows it has.
+/// A balcony: height of its lowest floor, where its front stands in the middle, how many rows it has, by how much each is
+/// higher than the one before. One below another has to rise gently.
 pub(super) struct Level {
     pub floor: f32,
     pub front: f32,
     pub rows: usize,
+    pub rise: f32,
 }
 
 /// A square lamp below a ceiling.
@@ -132,7 +134,7 @@ pub(super) fn balcony(b: &mut SceneBuilder, m: &Palette, level: &Level) {
         Vec3::new(x, y, z.min(HOUSE.z))
     };
     let radius = level.front - CENTRE;
-    let rise = 0.42;
+    let rise = level.rise;
     b.node(&format!("{name}-balcony"));
     // Underside, front, and the parapet's top and inner side.
     let last = radius + level.rows as f32 * ROWS.1;
