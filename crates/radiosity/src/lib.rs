@@ -74,8 +74,8 @@ pub use patch::edit::MaterialEdit;
 pub use patch::{NodeId, PatchMesh, PatchOptions};
 pub use solution::{EnergyBalance, Grouping, Solution};
 pub use solve::{
-    Hierarchical, HierarchicalOptions, Order, Progress, Shooting, Solver, Stage, Stages,
-    Stochastic, StochasticOptions,
+    Hierarchical, HierarchicalOptions, NoiseCheck, Order, Progress, Shooting, Solver, Stage,
+    Stages, Stochastic, StochasticOptions,
 };
 pub use visibility::Visibility;
 
