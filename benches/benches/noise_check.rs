@@ -20,12 +20,10 @@ fn main() {
         .skip(1)
         .filter(|arg| !arg.starts_with('-'))
         .collect();
-    let name = asked.first().map_or("cornell", String::as_str);
-    let number = |i: usize, default: &str| -> f64 {
-        let text = asked.get(i).map_or(default, String::as_str);
-        text.parse().expect("a number")
-    };
-    let (elements, noise) = (number(1, "20000"), number(2, "0.03"));
+    let word = |i: usize, default: &'static str| asked.get(i).map_or(default, String::as_str);
+    let elements: usize = word(1, "20000").parse().expect("a number of elements");
+    let noise: f64 = word(2, "0.03").parse().expect("a noise");
+    let name = word(0, "cornell");
     let threads: Vec<usize> = asked
         .iter()
         .skip(3)
@@ -39,7 +37,7 @@ fn main() {
     for &threads in pools {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.expect("threads")
-            .install(|| check(name, elements as usize, noise));
+            .install(|| check(name, elements, noise));
     }
 }
 

@@ -222,10 +222,12 @@ impl Stochastic {
     }
 
     /// Relative standard error of the irradiance, root mean square over the elements that receive more than a hundredth
-    /// of the mean; infinite as long as nothing is known. The error of light that was there before is not in it, nor that
-    /// of the radiosity that is gathered. Against runs of other seeds it is within 1.6 times of the truth in `cornell` and `two-rooms`;
-    /// in the `theatre`, where few rays find the few lamps that shine on what is dark, 6.6 % are stated where 9.0 % are
-    /// true, and a hundredth of the elements holds half of the squares.
+    /// of the mean; infinite as long as nothing is known. Neither the error of light that was there before is in it, nor
+    /// that of the radiosity that is gathered, nor that of interpolation from patches to elements.
+    ///
+    /// By [`Self::check_noise`] with 64 times the rays, the `theatre` in 179,032 elements has 4.9 % where 5.7 % are stated;
+    /// in `cornell` and `two-rooms` it is within 1.6 times of the truth. Interpolation costs far more there, 37 % in all:
+    /// patches among the seats are half in the dark.
     pub fn noise(&self) -> f64 {
         self.noise
     }

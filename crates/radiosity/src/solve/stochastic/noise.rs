@@ -108,11 +108,18 @@ impl Stochastic {
         noise * noise * count as f64
     }
 
-    /// Of each element what makes a squared error relative, 0 where it does not count.
+    /// Of each element what makes a squared error relative, 0 where it does not count: where it is dim or nothing of it is
+    /// exposed.
     pub(super) fn weights(&self) -> Vec<f64> {
         let (irradiance, least) = self.bright_irradiance();
-        let weight = |h: f64| if h > least { 1.0 / (h * h) } else { 0.0 };
-        irradiance.into_par_iter().map(weight).collect()
+        let weight = |(e, h): (usize, f64)| {
+            if h > least && self.mesh().exposed_area(e) > 0.0 {
+                1.0 / (h * h)
+            } else {
+                0.0
+            }
+        };
+        irradiance.into_par_iter().enumerate().map(weight).collect()
     }
 
     /// Irradiance of all elements, and the least that counts.
