@@ -247,3 +247,35 @@ fn its_name_and_its_noise_are_kept() {
     assert!(rays > 10_000, "{rays} rays are counted");
     let _: &PatchMesh = solution.mesh();
 }
+
+#[test]
+fn a_check_finds_the_noise_and_changes_nothing() {
+    for (name, counting_elements) in [("cornell", 50_000), ("cornell", 0), ("two-rooms", 50_000)] {
+        let start = start(built_in(name), 300, 80);
+        let options = StochasticOptions {
+            noise: 0.08,
+            rays: 64,
+            counting_elements,
+            ..StochasticOptions::default()
+        };
+        let mut solver = solved(&start, options);
+        let before = irradiance_bits(solver.solution());
+        let check = solver.check_noise(usize::MAX, 32);
+        assert!(check.elements > 200, "{name}: {check:?}");
+        assert!(
+            check.found < 1.6 * check.stated && check.found > 0.4 * check.stated,
+            "{name}, {counting_elements}: {check:?}"
+        );
+        // Eighty patches are coarse: what is dark takes the light of its neighbours.
+        let interpolation = check.found_with_interpolation - check.found;
+        let most = if counting_elements == 0 { 0.4 } else { 0.02 };
+        assert!(
+            interpolation < most,
+            "{name}, {counting_elements}: {check:?}"
+        );
+        assert!(
+            irradiance_bits(solver.solution()) == before,
+            "{name}: a check must not change the light"
+        );
+    }
+}

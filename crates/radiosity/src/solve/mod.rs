@@ -48,7 +48,7 @@ pub use on_matrix::{NotStarted, OnMatrix};
 pub use overshooting::Overshooting;
 pub use shooting::{Order, Shooting};
 pub use southwell::Southwell;
-pub use stochastic::{Stage, Stages, Stochastic, StochasticOptions};
+pub use stochastic::{NoiseCheck, Stage, Stages, Stochastic, StochasticOptions};
 pub use system::{MatrixMethod, MatrixRun, MatrixSolverKind, solve_matrix};
 
 use crate::solution::Solution;

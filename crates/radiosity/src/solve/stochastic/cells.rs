@@ -3,7 +3,7 @@
 //! All patches of a cell share a cut of the tree of lamps, so what rays found from each of them can be summed up, and
 //! a patch that knows little takes the word of its cell.
 
-use super::lights::{Lights, Part, Place};
+use super::lights::{Lights, Place};
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
@@ -32,17 +32,17 @@ pub(super) struct Cell {
     pub(super) patches: Vec<u32>,
     /// What holds them.
     pub(super) around: Place,
-    pub(super) cut: Vec<Part>,
+    pub(super) cut: Vec<u32>,
     /// What rays found, for each patch the parts of the cut; empty as long as nothing is known.
     pub(super) found: Vec<Found>,
     tries: Vec<Tries>,
 }
 
 impl Cell {
-    fn new(patches: Vec<u32>, places: &[Place], lights: &Lights, near: f32) -> Self {
+    fn new(patches: Vec<u32>, places: &[Place], lights: &Lights) -> Self {
         let around = Place::around(patches.iter().map(|&patch| &places[patch as usize]));
         Self {
-            cut: lights.cut(&around, near),
+            cut: lights.parts(&around),
             around,
             patches,
             found: Vec::new(),
@@ -83,10 +83,10 @@ impl Found {
 }
 
 /// Groups of patches by where they are; none if there are no lamps.
-pub(super) fn cells(places: &[Place], lights: &Lights, near: f32) -> Vec<Cell> {
+pub(super) fn cells(places: &[Place], lights: &Lights) -> Vec<Cell> {
     let groups = groups(places).into_par_iter();
     groups
-        .map(|patches| Cell::new(patches, places, lights, near))
+        .map(|patches| Cell::new(patches, places, lights))
         .collect()
 }
 
@@ -143,7 +143,7 @@ mod tests {
             )
         };
         let places: Vec<Place> = (0..1600).map(place).collect();
-        let cells = cells(&places, &Lights::new(&[]), 2.0);
+        let cells = cells(&places, &Lights::new(&[]));
         let mut seen = vec![0; places.len()];
         let mut distances = 0.0;
         for cell in &cells {

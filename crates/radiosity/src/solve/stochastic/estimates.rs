@@ -93,24 +93,9 @@ impl Estimates {
     }
 }
 
-/// Squared standard error of the mean of numbers from even strata of which those half the length apart are neighbours,
-/// by the differences of neighbours: what strata differ by counts as if it were error, so it rather is too large.
-///
-/// ```text
-/// σ² ≈ Σ (x_i - x_{i + n/2})² / n²
-/// ```
-pub(super) fn square_by_pairs(numbers: &[f32]) -> f32 {
-    let (first, second) = numbers.split_at(numbers.len() / 2);
-    let pairs = first.iter().zip(second);
-    let sum: f32 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
-    let n = numbers.len().max(1) as f32;
-    sum / (n * n)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sobol::Sobol4;
 
     #[test]
     fn rounds_count_by_their_rays() {
@@ -132,25 +117,5 @@ mod tests {
             (estimates.square(0) - square).abs() < 1e-7,
             "variances add by squared weights"
         );
-    }
-
-    #[test]
-    fn pairs_tell_the_error_of_stratified_means() {
-        // A shadow's edge at a third: what is beside it is known, so the error falls faster than by chance.
-        let of = |x: f32| if x < 1.0 / 3.0 { 0.0 } else { 1.5 };
-        let (mut stated, mut found) = (0.0, 0.0);
-        for seed in 0..400 {
-            let sequence = Sobol4::new(seed);
-            let numbers: Vec<f32> = (0..64).map(|i| of(sequence.point(i)[0])).collect();
-            let mean = numbers.iter().sum::<f32>() / 64.0;
-            stated += f64::from(square_by_pairs(&numbers)) / 400.0;
-            found += f64::from(mean - 1.0).powi(2) / 400.0;
-        }
-        assert!(
-            stated > found && stated < 4.0 * found,
-            "stated {stated:.2e}, found {found:.2e}"
-        );
-        let by_chance = 1.5_f64.powi(2) * (2.0 / 9.0) / 64.0;
-        assert!(stated < 0.1 * by_chance, "by chance {by_chance:.2e}");
     }
 }

@@ -5,11 +5,11 @@
 //! radiosity of elements without what they emit, direct light comes by rays of its own, and without what is left to
 //! [highlights](super::highlights), but for those that nearly touch.
 
+use super::emitters::place_of;
 use super::estimates::{Brought, LEAST_RAYS, Round};
 use super::highlights::Highlights;
 use super::lights::Place;
 use super::receivers::{Receivers, Start};
-use super::shadow_rays::place_of;
 use crate::patch::PatchMesh;
 use crate::sampling::{cosine_direction, hash};
 use crate::sobol::Sobol4;
@@ -17,13 +17,14 @@ use crate::solution::BANDS;
 use rayon::prelude::*;
 
 /// Independent parts of a round, whose differences tell the error.
-const REPLICATES: u32 = 4;
+const REPLICATES: u32 = 2;
 const _: () = assert!(LEAST_RAYS.is_multiple_of(REPLICATES), "each has rays");
 
 /// What rays find.
 pub(super) struct Scenery<'a> {
     pub(super) mesh: &'a PatchMesh,
-    pub(super) highlights: &'a Highlights,
+    /// What is left to shadow rays, if anything is.
+    pub(super) highlights: Option<&'a Highlights>,
     /// `[element][channel]`.
     pub(super) radiosity: &'a [f32],
     pub(super) receivers: Receivers,
@@ -91,7 +92,8 @@ impl Scenery<'_> {
                 return;
             };
             let range = met * self.channels..(met + 1) * self.channels;
-            let taken = self.highlights.of_element(self.mesh, met, place);
+            let taken = self.highlights;
+            let taken = taken.map_or(&[][..], |taken| taken.of_element(self.mesh, met, place));
             for (channel, (sum, b)) in sums.iter_mut().zip(&self.radiosity[range]).enumerate() {
                 let rest = b - taken.get(channel).copied().unwrap_or(0.0);
                 *sum += f64::from(rest * arriving[channel % BANDS]);

@@ -27,7 +27,8 @@ impl DirectLight {
     pub(super) fn irradiance(&self, element: usize, channel: usize) -> f64 {
         let near = self.near.get(element * self.scale.len() + channel);
         let near = f64::from(near.copied().unwrap_or(0.0));
-        (self.far.irradiance(element, channel) + near) * self.scale[channel]
+        // Less than nothing is found where more was expected than there is.
+        (self.far.irradiance(element, channel).max(0.0) + near) * self.scale[channel]
     }
 
     /// Squared standard error of the irradiance summed over channels.

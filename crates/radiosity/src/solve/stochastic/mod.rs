@@ -2,7 +2,8 @@
 //!
 //! The work is split by what it needs:
 //!
-//! 1. *Direct* light, which has the sharp shadows: shadow rays from every element to the emitters.
+//! 1. *Direct* light, which has the sharp shadows: shadow rays from every element to the emitters, which find what differs
+//!    from a guess by the neighbourhood.
 //! 2. *Spreading*: each step shoots all that is unshot, by as many rays as it is worth, until little is left. Where no
 //!    ray is lost, from whatever surface, a constant radiosity needs no rays, as what leaves at it arrives at it: it is
 //!    subtracted from what is shot and added to what arrives (a control variate).
@@ -20,7 +21,9 @@
 mod allocation;
 mod balance;
 mod cells;
+mod check;
 mod direct;
+mod emitters;
 mod estimates;
 mod gather;
 mod highlights;
@@ -32,7 +35,11 @@ mod receivers;
 mod shadow_rays;
 mod shoot;
 mod source;
+mod strata;
 mod tally;
+mod view;
+
+pub use self::check::NoiseCheck;
 
 use self::balance::Lost;
 use self::direct::Direct;
@@ -55,8 +62,8 @@ use std::time::{Duration, Instant};
 /// How the rays are spent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StochasticOptions {
-    /// Rays by which each receiver gathers reflected light at first, rounded up to a power of two; those that are uncertain
-    /// get more. For spreading it a quarter as many are shot for each receiver, on average. Default value: 256.
+    /// Rays by which each receiver gathers reflected light at first, rounded up to a power of two, and patches a quarter of
+    /// that; those that are uncertain get more. For spreading it a quarter as many are shot for each receiver, on average. Default value: 256.
     pub rays: u32,
     /// Finished at this noise ([`Stochastic::noise`]). Default value: 0.03.
     pub noise: f64,
@@ -86,8 +93,9 @@ const MOST_REFINEMENTS: u32 = 4096;
 const ROUNDING: f64 = 1e-6;
 /// Share of the rays by which a receiver gathers that is shot for it while light is spread.
 const SPREADING: f64 = 0.25;
-/// Shadow rays of each element in the first two rounds: the first finds out what is in the way.
-const FIRST_SHADOW_RAYS: u32 = 16;
+/// Patches gather by so many times fewer rays than elements at first.
+const FIRST_SHARE: u32 = 4;
+/// Shadow rays of each element in the first round.
 const SHADOW_RAYS: u32 = 64;
 /// Least rays that spread all light: they also tell how much is lost.
 const LEAST_SHOTS: f64 = (1_u32 << 18) as f64;
@@ -214,10 +222,12 @@ impl Stochastic {
     }
 
     /// Relative standard error of the irradiance, root mean square over the elements that receive more than a hundredth
-    /// of the mean; infinite as long as nothing is known. The error of light that was there before is not in it, nor that
-    /// of the radiosity that is gathered. Against runs of other seeds it is within 1.6 times of the truth in `cornell` and `two-rooms`;
-    /// in the `theatre`, where few rays find the few lamps that shine on what is dark, 6.6 % are stated where 9.0 % are
-    /// true, and a hundredth of the elements holds half of the squares.
+    /// of the mean; infinite as long as nothing is known. Neither the error of light that was there before is in it, nor
+    /// that of the radiosity that is gathered, nor that of interpolation from patches to elements.
+    ///
+    /// By [`Self::check_noise`] with 64 times the rays, 4.9 % are found where 5.7 % are stated in the `theatre` (179,032
+    /// elements), 4.7 % for 4.8 % in the `steel-mill`, 4.9 % for 4.8 % in the `chapel`, 1.7 % for 2.0 % in `cornell`.
+    /// Interpolation costs far more where patches are half in the dark: with it, 37 % in the theatre, 31 % in the mill.
     pub fn noise(&self) -> f64 {
         self.noise
     }
@@ -271,9 +281,7 @@ impl Stochastic {
         // What is emitted counts as shot from now on.
         let shot = self.shot.iter_mut().zip(self.direct.exitance());
         shot.for_each(|(shot, emitted)| *shot += emitted);
-        for rays in [FIRST_SHADOW_RAYS, SHADOW_RAYS] {
-            self.add_direct_round(&vec![rays; self.mesh().elements().len()]);
-        }
+        self.add_direct_round(&vec![SHADOW_RAYS; self.mesh().elements().len()]);
         self.stages.direct.time += start.elapsed();
         self.update();
         self.phase = Phase::Spread;
@@ -351,7 +359,7 @@ impl Stochastic {
         };
         let scenery = Scenery {
             mesh: &mesh,
-            highlights: &highlights,
+            highlights: Some(&highlights),
             radiosity: &radiosity,
             receivers: self.receivers,
             channels: self.channels(),
@@ -372,7 +380,13 @@ impl Stochastic {
     /// Rays of the first gathering.
     fn first_gathering(&self, is_without_highlights: bool) -> [Vec<u32>; 2] {
         let receivers = self.reflected.areas.len();
-        let rays = self.options.rays.next_power_of_two().max(LEAST_RAYS);
+        // Patches are of all sizes, those with many elements are worth more.
+        let share = match self.receivers {
+            Receivers::Elements => 1,
+            Receivers::Patches => FIRST_SHARE,
+        };
+        let rays = (self.options.rays / share).next_power_of_two();
+        let rays = rays.max(LEAST_RAYS);
         let to_highlights = if is_without_highlights {
             0
         } else {

@@ -82,17 +82,44 @@ impl Stochastic {
             .concat()
     }
 
+    /// Relative squared errors of the elements, as [`Self::estimate_noises`] takes them.
+    pub(super) fn relative_squares_of_elements(&self, weights: &[f64]) -> Vec<f64> {
+        let mut squares = relative_squares(&self.direct_light.far, weights);
+        let Some(gathered) = &self.reflected.gathered else {
+            return squares;
+        };
+        let of_receivers = self.reflected_squares(gathered, weights);
+        let receivers = self.reflected.areas.len();
+        let mut elements = vec![0_u32; receivers];
+        let receiver = |e: usize| self.receivers.of_element(self.mesh(), e);
+        let counting = || (0..weights.len()).filter(|&e| weights[e] > 0.0);
+        counting().for_each(|e| elements[receiver(e)] += 1);
+        for e in counting() {
+            let r = receiver(e);
+            let sum = of_receivers[r] + of_receivers[receivers + r];
+            squares[e] += sum / f64::from(elements[r]);
+        }
+        squares
+    }
+
     /// Sum of the squares that make a noise.
     fn squares_of(&self, noise: f64, weights: &[f64]) -> f64 {
         let count = weights.iter().filter(|&&weight| weight > 0.0).count();
         noise * noise * count as f64
     }
 
-    /// Of each element what makes a squared error relative, 0 where it does not count.
-    fn weights(&self) -> Vec<f64> {
+    /// Of each element what makes a squared error relative, 0 where it does not count: where it is dim or nothing of it is
+    /// exposed.
+    pub(super) fn weights(&self) -> Vec<f64> {
         let (irradiance, least) = self.bright_irradiance();
-        let weight = |h: f64| if h > least { 1.0 / (h * h) } else { 0.0 };
-        irradiance.into_par_iter().map(weight).collect()
+        let weight = |(e, h): (usize, f64)| {
+            if h > least && self.mesh().exposed_area(e) > 0.0 {
+                1.0 / (h * h)
+            } else {
+                0.0
+            }
+        };
+        irradiance.into_par_iter().enumerate().map(weight).collect()
     }
 
     /// Irradiance of all elements, and the least that counts.
@@ -112,7 +139,7 @@ impl Stochastic {
     }
 
     /// Irradiance of an element, summed over channels.
-    fn total_irradiance(&self, element: usize) -> f64 {
+    pub(super) fn total_irradiance(&self, element: usize) -> f64 {
         (0..self.channels())
             .map(|c| f64::from(self.solution.irradiance(c / BANDS, c % BANDS)[element]))
             .sum()

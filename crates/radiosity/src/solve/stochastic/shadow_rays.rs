@@ -1,20 +1,20 @@
 //! Light from many emitters by shadow rays.
 //!
-//! The emitters of a ray are chosen from a cut of a [tree](super::lights) in proportion to a bound of what they bring
-//! unoccluded (Shirley, Wang, Zimmerman 1996), and to the root of the share of earlier rays of the patch and its
-//! [cell](super::cells) that found them: of all probabilities that know visibility as a share only, those make the
-//! variance least. One sequence for all rays of a receiver takes the emitters in turn, neighbours after each other, so
-//! what is all visible or all hidden makes no error, however many emitters there are. Emitters that nearly touch a
-//! receiver are left out, because the kernel of point and point grows beyond all bounds there.
+//! What emitters bring is expected by their [view](super::view) from the receiver and by the share of earlier rays of the
+//! patch and its [cell](super::cells) that got through; rays find what differs from that, and go where it is uncertain
+//! (Shirley, Wang, Zimmerman 1996, on choosing lamps). The first rays of all only learn. One sequence for all rays of a
+//! receiver takes the emitters in turn, neighbours after each other. Emitters that nearly touch a receiver are left out,
+//! because the kernel of point and point grows beyond all bounds there.
 
 use super::cells::{Cell, Found, cells};
-use super::estimates::{Brought, Round, square_by_pairs};
-use super::lights::{Lamp, Lights, Place, Table, choose};
+use super::emitters::{Elements, Emitter, NEAR, place_of};
+use super::estimates::{Brought, Round};
+use super::lights::{Lamp, Lights, Place};
 use super::receivers::{Receivers, Start};
-use super::source::Source;
+use super::strata::{Spread, Stratum};
+use super::view::{Choice, Sight, View};
 use crate::form_factor::raycast::kernel;
-use crate::patch::exposure::ExposedArea;
-use crate::patch::{NodeId, PatchMesh};
+use crate::patch::PatchMesh;
 use crate::sampling::hash;
 use crate::sobol::Sobol4;
 use crate::solution::BANDS;
@@ -24,8 +24,8 @@ use hemicube_raster::Rgb;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Emitters nearer than so many radii of both are left out.
-const NEAR: f32 = 2.0;
+/// Rays of every other receiver that only learn what is in the way.
+const LEARNING_RAYS: u32 = 16;
 /// Marks patches that emit nothing.
 const DARK: u32 = u32::MAX;
 
@@ -41,26 +41,7 @@ pub(super) struct ShadowRays {
     lights: Lights,
     cells: Vec<Cell>,
     seed: u64,
-}
-
-/// A patch that emits.
-pub(super) struct Emitter {
-    pub(super) patch: usize,
-    pub(super) id: NodeId,
-    place: Place,
-    source: Source,
-    /// By channel.
-    pub(super) flux: Vec<f64>,
-}
-
-/// The elements of all emitters, side by side: rays take them in no order.
-struct Elements {
-    /// The first of each emitter.
-    firsts: Vec<u32>,
-    /// With their normals.
-    areas: Vec<(ExposedArea, Vec3)>,
-    /// `[element][channel]`.
-    exitance: Vec<f32>,
+    rounds: u64,
 }
 
 /// A ray on its way.
@@ -82,18 +63,52 @@ struct Rays {
     rays: Vec<Ray>,
     segments: Vec<(Vec3, Vec3)>,
     through: Vec<Rgb>,
-    /// What each of them brought, of a receiver.
+    /// What each brought beyond what was expected, summed over channels.
     numbers: Vec<f32>,
-    /// By channel.
+    /// The same by channel and what was expected at all, `[receiver][channel]`.
     sums: Vec<f64>,
+    /// What a receiver sees.
+    sight: Sight,
+    /// Shares of the parts that are visible.
+    shares: Vec<f32>,
+    /// Of all receivers, one after the other, and where those of each end.
+    strata: Vec<Stratum>,
+    ends: Vec<usize>,
 }
 
 /// What was brought to the receivers of a cell, one after the other.
 #[derive(Default)]
 struct ToCell {
     irradiance: Vec<f32>,
+    /// Squared deviations of parts with one ray only, as they are thought to be.
+    singles: Vec<f32>,
+    /// Squared deviations of the rays of parts with several: as found, and as thought.
+    deviations: [f64; 2],
     squares: Vec<f32>,
     rays: u64,
+}
+
+impl ToCell {
+    /// Adds what the rays of a receiver say of its error.
+    fn add(&mut self, spread: &Spread) {
+        self.squares.push(spread.square);
+        self.singles.push(spread.singles);
+        for (sum, square) in self.deviations.iter_mut().zip(spread.deviations) {
+            *sum += f64::from(square);
+        }
+    }
+
+    /// Parts that one ray went to, which says nothing of its error, are taken for as uncertain as those of several rays
+    /// are in all the cell, compared with what was thought of them.
+    fn close(&mut self) {
+        let [found, thought] = self.deviations;
+        // As thought, if there is nothing to go by.
+        let prior = 1e-3 * thought + f64::from(f32::MIN_POSITIVE);
+        let ratio = super::to_f32((found + prior) / (thought + prior));
+        for (square, single) in self.squares.iter_mut().zip(&self.singles) {
+            *square += ratio * single;
+        }
+    }
 }
 
 impl ShadowRays {
@@ -122,7 +137,7 @@ impl ShadowRays {
             cells: if is_dark {
                 Vec::new()
             } else {
-                cells(&places, &lights, NEAR)
+                cells(&places, &lights)
             },
             lights,
             receivers,
@@ -132,6 +147,7 @@ impl ShadowRays {
             emitter_of_patch,
             mesh,
             seed,
+            rounds: 0,
         }
     }
 
@@ -148,14 +164,8 @@ impl ShadowRays {
 
     /// The emitters that are left out at the receivers of a patch, but for itself.
     pub(super) fn left_out(&self, patch: usize) -> Vec<&Emitter> {
-        let receiver = place_of(&self.mesh, self.mesh.patches()[patch]);
-        let mut near = Vec::new();
-        self.lights.visit_near(&receiver, NEAR, |i| near.push(i));
-        near.sort_unstable();
-        let emitters = near.into_iter().map(|i| &self.emitters[i]);
-        emitters
-            .filter(|emitter| emitter.patch != patch && emitter.is_near(&receiver))
-            .collect()
+        let near = self.near(patch).into_iter().map(|i| &self.emitters[i]);
+        near.filter(|emitter| emitter.patch != patch).collect()
     }
 
     /// Irradiance from the others, by one more round of rays.
@@ -182,6 +192,7 @@ impl ShadowRays {
             }
         }
         self.cells = cells;
+        self.rounds += 1;
         brought
     }
 
@@ -192,119 +203,179 @@ impl ShadowRays {
         if all.all(|receiver| round.wanted[receiver] == 0) {
             return to_cell;
         }
-        let parts = cell.cut.iter();
-        let tables: Vec<Table> = parts
-            .map(|&part| self.lights.table(part, &cell.around))
-            .collect();
-        let width = cell.cut.len();
+        let mut view = View::new(&self.lights, &cell.around, &cell.cut, NEAR);
+        if cell.found.is_empty() {
+            let found = view.part_count() * cell.patches.len();
+            cell.found.resize(found, Found::default());
+            let mut learnt = ToCell::default();
+            // Half of them know what the others need to.
+            let every_other =
+                |receiver: usize| LEARNING_RAYS * u32::from(receiver.is_multiple_of(2));
+            self.pass(cell, &mut view, &every_other, 0, &mut learnt);
+            to_cell.rays += learnt.rays;
+        }
+        let seed = self.rounds + 1;
+        self.pass(cell, &mut view, &|r| round.wanted[r], seed, &mut to_cell);
+        to_cell
+    }
+
+    /// Casts so many rays from each receiver of a cell.
+    fn pass(
+        &self,
+        cell: &mut Cell,
+        view: &mut View,
+        wanted: &dyn Fn(usize) -> u32,
+        seed: u64,
+        to_cell: &mut ToCell,
+    ) {
+        let width = view.part_count();
         let mut found = core::mem::take(&mut cell.found);
-        found.resize(width * cell.patches.len(), Found::default());
         let mut rays = Rays::default();
         for (i, &patch) in cell.patches.iter().enumerate() {
+            let patch = patch as usize;
             let of_patch = &mut found[i * width..(i + 1) * width];
-            let chances = self.chances(patch as usize, cell, &tables, of_patch);
             rays.clear();
-            if !chances.slots.is_empty() {
-                self.aim(
-                    patch as usize,
-                    &chances,
-                    &tables,
-                    round,
-                    of_patch,
-                    &mut rays,
-                );
+            rays.shares.extend(
+                of_patch
+                    .iter()
+                    .enumerate()
+                    .map(|(part, &found)| cell.share(part, found)),
+            );
+            let near = self.near(patch);
+            let positions = near.iter().map(|&emitter| self.lights.position(emitter));
+            view.leave_out(&self.lights, positions);
+            for receiver in self.receivers.of_patch(&self.mesh, patch) {
+                self.aim(patch, receiver, wanted(receiver), seed, view, &mut rays);
+                rays.ends.push(rays.strata.len());
             }
             self.mesh
                 .visibility()
                 .transmittances(&rays.segments, &mut rays.through);
             to_cell.rays += rays.segments.len() as u64;
-            self.collect(patch as usize, round, of_patch, &mut rays, &mut to_cell);
+            self.collect(patch, wanted, of_patch, &mut rays, to_cell);
         }
+        to_cell.close();
         cell.found = found;
         cell.sum_up();
-        to_cell
     }
 
-    /// How often the parts of a cut are chosen for a patch.
-    fn chances(&self, patch: usize, cell: &Cell, tables: &[Table], found: &[Found]) -> Chances {
+    /// Emitters that nearly touch a patch, itself among them.
+    fn near(&self, patch: usize) -> Vec<usize> {
         let receiver = place_of(&self.mesh, self.mesh.patches()[patch]);
-        let is_left_out = |emitter: usize| {
-            let emitter = &self.emitters[emitter];
-            emitter.patch == patch || emitter.is_near(&receiver)
-        };
-        let mut chances = Chances::default();
-        for (slot, &part) in cell.cut.iter().enumerate() {
-            let bound = self.lights.bound(part, &receiver);
-            let is_lit = bound > 0.0 && tables[slot].total() > 0.0;
-            if is_lit && !self.lights.lamp(part).is_some_and(is_left_out) {
-                chances.push(slot, bound * cell.share(slot, found[slot]).sqrt());
-            }
-        }
-        chances
+        let mut near = Vec::new();
+        self.lights.visit_near(&receiver, NEAR, |i| near.push(i));
+        near.retain(|&i| self.emitters[i].patch == patch || self.emitters[i].is_near(&receiver));
+        near.sort_unstable();
+        near
     }
 
-    /// Chooses the rays of a patch.
+    /// Chooses the rays of a receiver.
     fn aim(
         &self,
         patch: usize,
-        chances: &Chances,
-        tables: &[Table],
-        round: Round<'_>,
-        found: &mut [Found],
+        receiver: usize,
+        count: u32,
+        seed: u64,
+        view: &View,
         rays: &mut Rays,
     ) {
-        let mut first = 0;
-        for receiver in self.receivers.of_patch(&self.mesh, patch) {
-            let count = round.wanted[receiver];
-            let start = Start::new(&self.mesh, self.receivers, receiver);
-            if let Some(start) = start.filter(|_| count > 0) {
-                let seed = hash(self.seed, receiver as u64);
-                let seed = hash(seed, u64::from(round.before[receiver]));
-                let (towards, from) = (Sobol4::new(seed), Sobol4::new(hash(seed, 2)));
-                for index in 0..count {
-                    let samples = [towards.point(index), from.point(index)];
-                    let (slot, ray, ends) = self.sample(&start, chances, tables, samples);
-                    if ray.weight > 0.0 {
-                        let position = first + index;
-                        rays.segments.push(ends);
-                        rays.rays.push(Ray { position, ..ray });
-                    } else {
-                        found[slot].count(false);
-                    }
+        let first = rays.numbers.len();
+        let start_of_sums = rays.sums.len();
+        rays.numbers.resize(first + count as usize, 0.0);
+        rays.sums.resize(start_of_sums + self.channels, 0.0);
+        let start = Start::new(&self.mesh, self.receivers, receiver);
+        let Some(start) = start.filter(|_| count > 0) else {
+            return;
+        };
+        let place = self.place_of_receiver(receiver);
+        view.look(&place, &rays.shares, &mut rays.sight);
+        let sums = &mut rays.sums[start_of_sums..];
+        for (sum, expected) in sums.iter_mut().zip(rays.sight.total()) {
+            *sum = expected * f64::from(count);
+        }
+        let seed = hash(hash(self.seed, receiver as u64), seed);
+        let (towards, from) = (Sobol4::new(seed), Sobol4::new(hash(seed, 2)));
+        let mut index = 0;
+        for stratum in rays.sight.strata(count, unit(hash(seed, 3))) {
+            let weight = count as f32 / stratum.expected_rays;
+            for ray in 0..stratum.rays {
+                let [sample, u, v, _] = towards.point(index);
+                let sample = (ray as f32 + sample) / stratum.rays as f32;
+                let Some(choice) = rays.sight.choose(stratum.part, sample) else {
+                    break;
+                };
+                let position = first + index as usize;
+                let weight = weight / choice.probability;
+                let expected = view.expected(&choice, &rays.sight);
+                for (sum, expected) in sums.iter_mut().zip(expected) {
+                    *sum -= f64::from(expected * weight);
+                    rays.numbers[position] -= expected * weight;
+                }
+                let [s, t, ..] = from.point(index);
+                index += 1;
+                let (ray, ends) = self.sample(patch, &start, view, &choice, [u, v, s, t]);
+                if ray.weight > 0.0 {
+                    rays.segments.push(ends);
+                    rays.rays.push(Ray {
+                        position: crate::index32(position),
+                        part: crate::index32(stratum.part),
+                        weight: ray.weight * weight,
+                        ..ray
+                    });
                 }
             }
-            first += count;
+            rays.strata.push(stratum);
         }
     }
 
-    /// A ray to a point of a receiver from one of an emitter, with the part of the cut that it belongs to, and its ends.
+    fn place_of_receiver(&self, receiver: usize) -> Place {
+        let id = match self.receivers {
+            Receivers::Elements => self.mesh.elements()[receiver],
+            Receivers::Patches => self.mesh.patches()[receiver],
+        };
+        place_of(&self.mesh, id)
+    }
+
+    /// A ray to a point of a receiver on a patch from one of an emitter, and its ends.
     #[inline]
     fn sample(
         &self,
+        patch: usize,
         start: &Start,
-        chances: &Chances,
-        tables: &[Table],
-        [[wanted, u, v, _], [s, t, ..]]: [[f32; 4]; 2],
-    ) -> (usize, Ray, (Vec3, Vec3)) {
-        let (slot, of_part, rest) = chances.choose(wanted);
-        let (emitter, of_emitter) = tables[slot].choose(rest);
+        view: &View,
+        choice: &Choice,
+        [u, v, s, t]: [f32; 4],
+    ) -> (Ray, (Vec3, Vec3)) {
+        let (emitter, of_emitter) = self.lights.choose(view.node(choice), choice.rest);
         let (element, of_element, u) = self.choose_element(emitter, u);
         let (area, light_normal) = &self.elements.areas[element];
         let (to, normal) = start.point([s, t]);
         let from = area.point([u, v]);
         let kernel = kernel(to - from, [*light_normal, normal]);
         let visibility = self.mesh.visibility();
+        let is_left_out = of_emitter < 1.0 && self.is_left_out(patch, emitter);
         let ray = Ray {
             position: 0,
-            part: crate::index32(slot),
+            part: 0,
             element: crate::index32(element),
-            weight: kernel * area.area() / (PI * of_part * of_emitter * of_element),
+            weight: if is_left_out {
+                0.0
+            } else {
+                kernel * area.area() / (PI * of_emitter * of_element)
+            },
         };
         let ends = (
             visibility.off_surface(to, normal),
             visibility.off_surface(from, *light_normal),
         );
-        (slot, ray, ends)
+        (ray, ends)
+    }
+
+    /// Whether an emitter is the patch itself or nearly touches it.
+    fn is_left_out(&self, patch: usize, emitter: usize) -> bool {
+        let emitter = &self.emitters[emitter];
+        let receiver = place_of(&self.mesh, self.mesh.patches()[patch]);
+        emitter.patch == patch || emitter.is_near(&receiver)
     }
 
     /// An element of an emitter for a number in [0, 1), its probability, and what is left of the number.
@@ -323,35 +394,36 @@ impl ShadowRays {
     fn collect(
         &self,
         patch: usize,
-        round: Round<'_>,
+        wanted: &dyn Fn(usize) -> u32,
         found: &mut [Found],
         rays: &mut Rays,
         to_cell: &mut ToCell,
     ) {
-        let receivers = self.receivers.of_patch(&self.mesh, patch);
         let mut answers = rays.rays.iter().zip(&rays.through).peekable();
-        let mut first = 0;
-        for receiver in receivers {
-            let count = round.wanted[receiver];
+        let (mut first, mut done) = (0, 0);
+        let (mut strata_left, mut ends) = (rays.strata.as_slice(), rays.ends.iter());
+        let receivers = self.receivers.of_patch(&self.mesh, patch);
+        for (receiver, sums) in receivers.zip(rays.sums.chunks_exact_mut(self.channels)) {
+            let count = wanted(receiver);
             let end = first + count;
-            rays.numbers.clear();
-            rays.numbers.resize(count as usize, 0.0);
-            rays.sums.clear();
-            rays.sums.resize(self.channels, 0.0);
             while let Some((ray, through)) = answers.next_if(|(ray, _)| ray.position < end) {
                 found[ray.part as usize].count(!through.is_black());
-                let number = &mut rays.numbers[(ray.position - first) as usize];
+                let number = &mut rays.numbers[ray.position as usize];
                 let exitance = self.elements.exitance_of(ray.element, self.channels);
-                for (channel, (sum, exitance)) in rays.sums.iter_mut().zip(exitance).enumerate() {
+                for (channel, (sum, exitance)) in sums.iter_mut().zip(exitance).enumerate() {
                     let brought = ray.weight * exitance * through[channel % BANDS];
                     *sum += f64::from(brought);
                     *number += brought;
                 }
             }
             let n = f64::from(count.max(1));
-            let light = rays.sums.iter().map(|sum| super::to_f32(sum / n));
+            let light = sums.iter().map(|sum| super::to_f32(sum / n));
             to_cell.irradiance.extend(light);
-            to_cell.squares.push(square_by_pairs(&rays.numbers));
+            let (strata, others) = strata_left.split_at(ends.next().map_or(0, |end| end - done));
+            (strata_left, done) = (others, done + strata.len());
+            let numbers = &rays.numbers[first as usize..end as usize];
+            let spread = Spread::of(numbers, strata);
+            to_cell.add(&spread);
             first = end;
         }
     }
@@ -361,106 +433,15 @@ impl Rays {
     fn clear(&mut self) {
         self.rays.clear();
         self.segments.clear();
+        self.numbers.clear();
+        self.sums.clear();
+        self.shares.clear();
+        self.strata.clear();
+        self.ends.clear();
     }
 }
 
-impl Elements {
-    /// Of emitters by their exitance, `[channel][element]`.
-    fn of(mesh: &PatchMesh, emitters: &[Emitter], exitance: &[f32]) -> Self {
-        let mut elements = Self {
-            firsts: vec![0],
-            areas: Vec::new(),
-            exitance: Vec::new(),
-        };
-        let count = mesh.elements().len();
-        for emitter in emitters {
-            for e in mesh.elements_of_patch(emitter.patch) {
-                let normal = mesh.node(mesh.elements()[e]).normal;
-                elements.areas.push((mesh.exposed(e), normal));
-                elements
-                    .exitance
-                    .extend(exitance[e..].iter().step_by(count));
-            }
-            elements.firsts.push(crate::index32(elements.areas.len()));
-        }
-        elements
-    }
-
-    /// By channel.
-    fn exitance_of(&self, element: u32, channels: usize) -> &[f32] {
-        let start = element as usize * channels;
-        &self.exitance[start..start + channels]
-    }
-}
-
-/// Which parts of a cut rays go to, by running sums.
-#[derive(Default)]
-struct Chances {
-    /// Their positions in the cut.
-    slots: Vec<usize>,
-    sums: Vec<f32>,
-}
-
-impl Chances {
-    fn push(&mut self, slot: usize, chance: f32) {
-        let sum = self.sums.last().copied().unwrap_or(0.0);
-        self.slots.push(slot);
-        self.sums.push(sum + chance);
-    }
-
-    /// Position of a part in the cut, its probability, and what is left of a number in [0, 1).
-    fn choose(&self, sample: f32) -> (usize, f32, f32) {
-        let (index, probability, rest) = choose(&self.sums, sample);
-        (self.slots[index], probability, rest)
-    }
-}
-
-impl Emitter {
-    /// None if the patch emits nothing.
-    fn new(mesh: &PatchMesh, patch: usize, exitance: &[f32], channels: usize) -> Option<Self> {
-        let count = mesh.elements().len();
-        let exitance = |e: usize, channel: usize| exitance[channel * count + e];
-        let source = Source::new(mesh, patch, |e| {
-            let sum: f32 = (0..channels).map(|channel| exitance(e, channel)).sum();
-            f64::from(sum * mesh.exposed_area(e))
-        });
-        if source.total() <= 0.0 {
-            return None;
-        }
-        let id = mesh.patches()[patch];
-        let elements = mesh.elements_of_patch(patch);
-        let flux = |channel: usize| {
-            let of = |e: usize| f64::from(exitance(e, channel)) * f64::from(mesh.exposed_area(e));
-            elements.clone().map(of).sum()
-        };
-        Some(Self {
-            patch,
-            id,
-            place: place_of(mesh, id),
-            source,
-            flux: (0..channels).map(flux).collect(),
-        })
-    }
-
-    fn is_near(&self, receiver: &Place) -> bool {
-        let reach = NEAR * (self.place.radius + receiver.radius);
-        self.place.centroid.distance_squared(receiver.centroid) < reach * reach
-    }
-
-    fn lamp(&self) -> Lamp {
-        Lamp {
-            centroid: self.place.centroid,
-            normal: self.place.normal,
-            radius: self.place.radius,
-            flux: super::to_f32(self.source.total()),
-        }
-    }
-}
-
-/// Where a patch is.
-pub(super) fn place_of(mesh: &PatchMesh, id: NodeId) -> Place {
-    let node = mesh.node(id);
-    let corners = mesh.polygon(id);
-    let distances = corners.iter().map(|c| c.distance(node.centroid));
-    Place::disc(node.centroid, node.normal, distances.fold(0.0, f32::max))
+/// A number in [0, 1) of random bits.
+fn unit(bits: u64) -> f32 {
+    (bits >> 40) as f32 / (1_u32 << 24) as f32
 }
