@@ -108,6 +108,7 @@ fn rays_of_ray_queries_arrive_where_those_of_the_tree_do() {
             rays: 2048,
             strategy: Strategy::Shots,
             seed: 3,
+            shot_rays: None,
         };
         let mut absorbed = 0.0;
         let [a, b] = [&queries, &tree].map(|context| {
