@@ -227,7 +227,7 @@ impl Stochastic {
     ///
     /// By [`Self::check_noise`] with 64 times the rays, 4.9 % are found where 5.7 % are stated in the `theatre` (179,032
     /// elements), 4.7 % for 4.8 % in the `steel-mill`, 4.9 % for 4.8 % in the `chapel`, 1.7 % for 2.0 % in `cornell`.
-    /// Interpolation costs far more where patches are half in the dark: with it, 37 % in the theatre, 31 % in the mill.
+    /// Counting reflected light on patches costs far more: with it, 37 % in the theatre, 31 % in the mill.
     pub fn noise(&self) -> f64 {
         self.noise
     }
