@@ -40,7 +40,7 @@ const MIN_SHOT_RAYS: f64 = 64.0;
 
 /// Of the rule of Gauss with two points along each side of the unit square.
 const GAUSS_POINTS: [[f32; 2]; 4] = {
-    let [low, high] = [0.211_324_87, 0.788_675_13];
+    let [low, high] = [0.211_324_87, 0.788_675_1];
     [[low, low], [high, low], [low, high], [high, high]]
 };
 
