@@ -337,8 +337,21 @@ impl Work<'_> {
         Ok(received.map(|mut solution| {
             solution.provenance.rays += rays.rays();
             solution.provenance.seconds += start.elapsed().as_secs_f64();
+            self.tell(&solution);
             solution
         }))
+    }
+
+    /// Tells the state after a round without steps.
+    fn tell(&mut self, solution: &Solution) {
+        let unshot = solution.unshot_fraction();
+        let progress = Progress {
+            iteration: solution.provenance.steps,
+            unshot,
+            residual: unshot,
+            noise: None,
+        };
+        self.is_over |= !(self.go_on)(&progress, solution);
     }
 
     /// Spreads what rounds without shots have changed in the light of patches. It is little and smooth: it goes by shots,
