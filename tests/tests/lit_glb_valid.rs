@@ -394,7 +394,7 @@ fn files_of_an_older_layout_are_refused_in_words() {
     let refused = lit_glb::read(&bytes).expect_err("its scene is laid out otherwise");
     let message = refused.to_string();
     assert!(
-        message.contains("layout 4, this program reads 5")
+        message.contains("layout 5, this program reads 6")
             && message.contains("solve the scene again"),
         "{message}"
     );

@@ -120,10 +120,20 @@ fn gallery() -> bool {
         cargo(&[&prefix[..], args].concat(), &[])
     };
     let office = "solve office --quality final --size 960x540 --image assets/office.png";
+    // Elements and noise of scenes that are lit by rays alone.
+    let large = [
+        "theatre --elements 100000 --noise 0.12 --camera balcony --image assets/theatre.png",
+        "steel-mill --elements 55000 --noise 0.1 --image assets/steel-mill.png",
+        "chapel --elements 100000 --noise 0.05 --image assets/chapel.png",
+    ];
     let cornell = "solve cornell --solver sorted-shooting --size 400x400 --exposure 1";
     let compare = "compare cornell --steps 100 -o assets/compare.png";
     run(&office.split(' ').collect::<Vec<_>>())
         && run(&compare.split(' ').collect::<Vec<_>>())
+        && large.iter().all(|scene| {
+            let solve = format!("solve --solver stochastic {scene}");
+            run(&solve.split(' ').collect::<Vec<_>>())
+        })
         && shots.iter().all(|shots| {
             let picture = format!("assets/cornell-{shots}.png");
             let options = ["--iterations", shots, "--image", &picture];
