@@ -459,6 +459,9 @@ fn watch(device: &Device, name: &str, failure: &Arc<Mutex<Option<GpuError>>>) {
             wgpu::Error::OutOfMemory { .. } => {
                 keep(&uncaptured, GpuError::OutOfMemory { adapter, why });
             }
+            // A window that is resized waits until nothing is submitted, and is refused if a solver submits just then: the
+            // next frame asks again.
+            wgpu::Error::Validation { .. } if why.contains(SURFACE_IS_BUSY) => {}
             // After a failure everything that is made is invalid.
             wgpu::Error::Validation { .. } => {
                 let failure = uncaptured.lock().unwrap_or_else(PoisonError::into_inner);
@@ -468,6 +471,9 @@ fn watch(device: &Device, name: &str, failure: &Arc<Mutex<Option<GpuError>>>) {
         }
     }));
 }
+
+/// What wgpu says when a surface cannot be configured because another thread submits.
+const SURFACE_IS_BUSY: &str = "come idle before reconfiguring the Surface";
 
 fn one_line(error: &impl fmt::Display) -> String {
     error
