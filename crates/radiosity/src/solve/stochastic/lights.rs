@@ -7,8 +7,8 @@
 use glam::Vec3;
 use std::collections::BinaryHeap;
 
-/// Nodes of the coarse cut.
-const PARTS: usize = 128;
+/// Nodes of the coarse cut. More of them tell better what is hidden, and learn it more slowly.
+const PARTS: usize = 64;
 /// Lamps up to which each is in the fine cut; beyond, its nodes if none must be split further.
 const LAMPS: usize = 8192;
 const ITEMS: usize = 1024;

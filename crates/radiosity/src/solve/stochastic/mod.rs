@@ -95,8 +95,11 @@ const ROUNDING: f64 = 1e-6;
 const SPREADING: f64 = 0.25;
 /// Patches gather by so many times fewer rays than elements at first.
 const FIRST_SHARE: u32 = 4;
-/// Shadow rays of each element in the first round.
-const SHADOW_RAYS: u32 = 64;
+/// Shadow rays of each element that only learn what is in the way: what they bring is so uncertain that it would spoil
+/// what later ones know better.
+const LEARNING_RAYS: u32 = 16;
+/// Shadow rays of each element in the first round that counts: enough to tell where more are wanted.
+const SHADOW_RAYS: u32 = 32;
 /// Least rays that spread all light: they also tell how much is lost.
 const LEAST_SHOTS: f64 = (1_u32 << 18) as f64;
 
@@ -271,7 +274,7 @@ impl Stochastic {
         self.solution.groups().len() * BANDS
     }
 
-    /// The first two rounds of direct light.
+    /// The first rounds of direct light.
     fn begin_direct(&mut self) {
         let start = Instant::now();
         let (near, rays) = self.direct.near();
@@ -281,7 +284,11 @@ impl Stochastic {
         // What is emitted counts as shot from now on.
         let shot = self.shot.iter_mut().zip(self.direct.exitance());
         shot.for_each(|(shot, emitted)| *shot += emitted);
-        self.add_direct_round(&vec![SHADOW_RAYS; self.mesh().elements().len()]);
+        let elements = self.mesh().elements().len();
+        let learning = vec![LEARNING_RAYS; elements];
+        let learnt = self.direct.round(self.direct_light.far.round(&learning));
+        self.stages.direct.rays += learnt.rays;
+        self.add_direct_round(&vec![SHADOW_RAYS; elements]);
         self.stages.direct.time += start.elapsed();
         self.update();
         self.phase = Phase::Spread;

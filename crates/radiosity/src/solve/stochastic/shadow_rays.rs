@@ -2,7 +2,7 @@
 //!
 //! What emitters bring is expected by their [view](super::view) from the receiver and by the share of earlier rays of the
 //! patch and its [cell](super::cells) that got through; rays find what differs from that, and go where it is uncertain
-//! (Shirley, Wang, Zimmerman 1996, on choosing lamps). The first rays of all only learn. One sequence for all rays of a
+//! (Shirley, Wang, Zimmerman 1996, on choosing lamps). The first rays of a cell only learn. One sequence for all rays of a
 //! receiver takes the emitters in turn, neighbours after each other. Emitters that nearly touch a receiver are left out,
 //! because the kernel of point and point grows beyond all bounds there.
 
@@ -24,8 +24,8 @@ use hemicube_raster::Rgb;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Rays of every other receiver that only learn what is in the way.
-const LEARNING_RAYS: u32 = 16;
+/// Rays of every other receiver by which a cell begins.
+const FIRST_RAYS: u32 = 16;
 /// Marks patches that emit nothing.
 const DARK: u32 = u32::MAX;
 
@@ -209,8 +209,7 @@ impl ShadowRays {
             cell.found.resize(found, Found::default());
             let mut learnt = ToCell::default();
             // Half of them know what the others need to.
-            let every_other =
-                |receiver: usize| LEARNING_RAYS * u32::from(receiver.is_multiple_of(2));
+            let every_other = |receiver: usize| FIRST_RAYS * u32::from(receiver.is_multiple_of(2));
             self.pass(cell, &mut view, &every_other, 0, &mut learnt);
             to_cell.rays += learnt.rays;
         }

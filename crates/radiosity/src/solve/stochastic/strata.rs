@@ -53,12 +53,12 @@ impl Spread {
     }
 }
 
-/// Of two numbers or more.
+/// Of two numbers or more, by the differences of those that follow each other: they were drawn from equal parts of what
+/// they may be, in its order, which takes out of their mean what differs from one end of it to the other.
 fn variance(numbers: &[f32]) -> f32 {
-    let n = numbers.len() as f32;
-    let mean = numbers.iter().sum::<f32>() / n;
-    let squares: f32 = numbers.iter().map(|number| (number - mean).powi(2)).sum();
-    squares / (n - 1.0).max(1.0)
+    let pairs = numbers.windows(2);
+    let differences: f32 = pairs.map(|pair| (pair[0] - pair[1]).powi(2)).sum();
+    0.5 * differences / (numbers.len() as f32 - 1.0).max(1.0)
 }
 
 /// Numbers that follow each other.
@@ -104,18 +104,20 @@ mod tests {
 
     #[test]
     fn parts_of_several_rays_tell_their_error() {
-        // Each of four rays differs by ±1, so its part by ±1/2 of a half of the mean.
+        // Each of four rays differs by 2 from the next.
         let spread = Spread::of(
             &[1.0, 3.0, 1.0, 3.0, 7.0, 7.0, 7.0, 7.0],
             &[stratum(4, 4.0), stratum(4, 4.0)],
         );
-        let variance = 4.0 / 3.0;
+        let variance = 0.5 * 4.0;
         assert!(
             (spread.square - 4.0 * variance / 64.0).abs() < 1e-6,
             "{spread:?}"
         );
         assert_eq!(spread.deviations[1], 8.0, "two parts were thought of");
         assert_eq!(spread.singles, 0.0, "none has one ray");
+        let rising = Spread::of(&[0.0, 1.0, 2.0, 3.0], &[stratum(4, 4.0)]);
+        assert_eq!(rising.square, 4.0 * 0.5 / 16.0, "less, if it rises evenly");
     }
 
     #[test]
