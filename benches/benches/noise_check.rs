@@ -84,11 +84,10 @@ fn check(name: &str, elements: usize, noise: f64) {
     println!("noise {:.4} after {seconds:.1} s", solver.noise());
     let check = solver.check_noise(CHECKED, TIMES);
     println!(
-        "{} elements: noise {:.4} stated, {:.4} found, {:.4} with interpolation, by {:.1} M rays",
+        "{} elements: noise {:.4} stated, {:.4} found, by {:.1} M rays",
         check.elements,
         check.stated,
         check.found,
-        check.found_with_interpolation,
         check.rays as f64 / 1e6
     );
 }

@@ -63,8 +63,8 @@ const WAYS: [Way; 4] = [
     Way {
         name: "rays alone",
         solver: SolverKind::Stochastic,
-        elements_of_patch: 1,
-        settings: Settings::Round(&[16, 64, 256, 1024, 2048]),
+        elements_of_patch: 8,
+        settings: Settings::Round(&[16, 64, 256, 1024, 4096]),
     },
 ];
 

@@ -24,8 +24,8 @@
 //! need no matrix; [`solve::on_matrix`] runs the others on a [`form_factor::matrix`]; [`form_factor::surfaces`] sums one over faces or
 //! objects, with covers that lie on surfaces, and finds surfaces that lie in one place; [`export::view_factors`] writes it
 //! for thermal models. [`Stochastic`] stores no factor at all: rays carry the light, their noise is told and can be checked
-//! ([`Stochastic::check_noise`]); beyond 50,000 elements, patches count reflected light, which costs some
-//! elements far more than noise ([`Stochastic::noise`]). [`Hierarchical`] links clusters,
+//! ([`Stochastic::check_noise`]); elements of a patch take each other's word for reflected light where nothing is close.
+//! [`Hierarchical`] links clusters,
 //! faces and parts of faces, as finely as the error that it estimates wants; light that it gathered over coarse links stays
 //! as it is where a stored solution is resumed, and scenes of tens of thousands of small faces take it minutes to an error
 //! of some percent (the steel mill 9 s to 20 %, the theatre 8 s to 70 %). What does not fit into memory is refused by a

@@ -93,8 +93,7 @@ impl Stochastic {
         for channel in 0..self.channels() {
             let band = channel % BANDS;
             self.reflected.scale[channel] = 1.0;
-            let mut gathered = vec![0.0; elements];
-            self.spread_reflected(channel, &mut gathered);
+            let gathered = &self.reflected.light[channel * elements..(channel + 1) * elements];
             let before = &self.before[channel * elements..(channel + 1) * elements];
             let (mut received, mut reflected, mut others) = (0.0, 0.0, 0.0);
             for (e, (g, before)) in gathered.iter().zip(before).enumerate() {

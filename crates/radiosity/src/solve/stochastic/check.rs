@@ -3,7 +3,6 @@
 use super::Stochastic;
 use super::estimates::{Brought, Round};
 use super::gather::Scenery;
-use super::receivers::Receivers;
 use crate::sampling::hash;
 
 /// Most rays of an element in one of the two runs, for each kind of light.
@@ -16,10 +15,8 @@ pub struct NoiseCheck {
     pub elements: usize,
     /// Root mean square of their relative standard errors as estimated.
     pub stated: f64,
-    /// Root mean square of their relative errors, on the same receivers.
+    /// Root mean square of their relative errors.
     pub found: f64,
-    /// The same with the error of interpolation from patches to elements.
-    pub found_with_interpolation: f64,
     /// Rays that it took.
     pub rays: u64,
 }
@@ -27,8 +24,7 @@ pub struct NoiseCheck {
 /// Light of some elements, summed over channels.
 struct Again {
     direct: Vec<f64>,
-    /// Reflected light of their receivers, and of the elements themselves.
-    reflected: [Vec<f64>; 2],
+    reflected: Vec<f64>,
     rays: u64,
 }
 
@@ -42,7 +38,7 @@ impl Stochastic {
     /// ```
     ///
     /// Direct light is by shadow rays to the element, but for emitters that nearly touch it, and reflected light by rays
-    /// from the element's receiver, then from the element itself. They gather the radiosity of the solution, whose error
+    /// from the element alone. They gather the radiosity of the solution, whose error
     /// all elements share. The solution stays as it is. Before the first gathering there is nothing to find.
     pub fn check_noise(&mut self, count: usize, times: u32) -> NoiseCheck {
         let all = self.mesh().elements().len();
@@ -54,49 +50,27 @@ impl Stochastic {
         });
         let weights = self.weights();
         let stated = self.relative_squares_of_elements(&weights);
-        let (mut sums, mut elements) = ([0.0; 3], 0);
-        for (i, &e) in chosen.iter().enumerate() {
-            let receiver = self.receivers.of_element(self.mesh(), e);
+        let (mut sums, mut elements) = ([0.0; 2], 0_u32);
+        for (i, &e) in chosen
+            .iter()
+            .enumerate()
+            .filter(|&(_, &e)| weights[e] > 0.0)
+        {
             let solved = self.total_irradiance(e);
-            let reflected = [self.reflected_sum(receiver), solved - self.direct_sum(e)];
-            let errors = [0, 1].map(|run: usize| {
-                let direct = self.direct_sum(e) - runs[run].direct[i];
-                [0, 1].map(|of: usize| direct + reflected[of] - runs[run].reflected[of][i])
-            });
-            if weights[e] > 0.0 {
-                elements += 1;
-                sums[0] += stated[e];
-                sums[1] += weights[e] * errors[0][0] * errors[1][0];
-                sums[2] += weights[e] * errors[0][1] * errors[1][1];
-            }
+            let errors =
+                [0, 1].map(|run: usize| solved - runs[run].direct[i] - runs[run].reflected[i]);
+            elements += 1;
+            sums[0] += stated[e];
+            sums[1] += weights[e] * errors[0] * errors[1];
         }
-        let [stated, found, found_with_interpolation] =
+        let [stated, found] =
             sums.map(|sum: f64| (sum / f64::from(elements.max(1))).max(0.0).sqrt());
         NoiseCheck {
             elements: elements as usize,
             stated,
             found,
-            found_with_interpolation,
             rays: runs.iter().map(|run| run.rays).sum(),
         }
-    }
-
-    /// Direct light of an element and what was there before, summed over channels.
-    fn direct_sum(&self, element: usize) -> f64 {
-        let elements = self.mesh().elements().len();
-        let of = |c: usize| {
-            self.direct_light.irradiance(element, c)
-                + f64::from(self.before[c * elements + element])
-        };
-        (0..self.channels()).map(of).sum()
-    }
-
-    /// Reflected light of a receiver, summed over channels.
-    fn reflected_sum(&self, receiver: usize) -> f64 {
-        let channels = 0..self.channels();
-        channels
-            .map(|c| self.reflected.irradiance(receiver, c))
-            .sum()
     }
 
     fn look_again(&mut self, chosen: &[usize], times: u32, seed: u64) -> Again {
@@ -111,30 +85,18 @@ impl Stochastic {
             wanted: &wanted,
             before: &vec![0; elements],
         });
-        let mut again = Again {
-            direct: chosen
-                .iter()
-                .map(|&e| self.direct_again(&brought, e))
-                .collect(),
-            reflected: [Vec::new(), Vec::new()],
-            rays: brought.rays,
-        };
-        for (receivers, light) in [self.receivers, Receivers::Elements]
-            .into_iter()
-            .zip(&mut again.reflected)
-        {
-            let brought = self.gather_again(chosen, receivers, &more, seed);
-            let place = |&e: &usize| receivers.of_element(&mesh, e);
-            *light = chosen
-                .iter()
-                .map(|e| sum_of(&brought, place(e), self.channels()))
-                .collect();
-            again.rays += brought.rays;
+        let direct = chosen.iter().map(|&e| self.direct_again(&brought, e));
+        let direct = direct.collect();
+        let light = self.gather_again(chosen, &more, seed);
+        let reflected = chosen.iter().map(|&e| sum_of(&light, e, self.channels()));
+        Again {
+            direct,
+            reflected: reflected.collect(),
+            rays: brought.rays + light.rays,
         }
-        again
     }
 
-    /// As [`Self::direct_sum`], of what rays brought.
+    /// Direct light of an element and what was there before, summed over channels, by what rays brought.
     fn direct_again(&self, brought: &Brought, element: usize) -> f64 {
         let (elements, channels) = (self.mesh().elements().len(), self.channels());
         let others = |c: usize| {
@@ -145,35 +107,27 @@ impl Stochastic {
         sum_of(brought, element, channels) + (0..channels).map(others).sum::<f64>()
     }
 
-    /// Reflected light at the receivers of some elements.
-    fn gather_again(
-        &self,
-        chosen: &[usize],
-        receivers: Receivers,
-        more: &dyn Fn(u32) -> u32,
-        seed: u64,
-    ) -> Brought {
+    /// Reflected light of some elements.
+    fn gather_again(&self, chosen: &[usize], more: &dyn Fn(u32) -> u32, seed: u64) -> Brought {
         let mesh = self.mesh();
-        let count = receivers.areas(mesh).len();
-        let mut wanted = vec![0; count];
+        let elements = mesh.elements().len();
+        let mut wanted = vec![0; elements];
         for &e in chosen {
-            let receiver = self.receivers.of_element(mesh, e);
             let gathered = self.reflected.gathered.as_ref();
-            let rays = gathered.map_or(1, |gathered| gathered.rest.rays()[receiver]);
-            wanted[receivers.of_element(mesh, e)] = more(rays).next_power_of_two();
+            let rays = gathered.map_or(1, |gathered| gathered.rest.rays()[e]);
+            wanted[e] = more(rays).next_power_of_two();
         }
         let scenery = Scenery {
             mesh,
             highlights: None,
             radiosity: &self.reflected_radiosity(),
-            receivers,
             channels: self.channels(),
         };
         let round = Round {
             wanted: &wanted,
-            before: &vec![0; count],
+            before: &vec![0; elements],
         };
-        scenery.gather(round, seed)
+        scenery.gather(round, seed).light
     }
 }
 

@@ -5,7 +5,6 @@
 //! exact factors times what rays see of them.
 
 use super::estimates::{Brought, Round};
-use super::receivers::Receivers;
 use super::shadow_rays::ShadowRays;
 use crate::form_factor::raycast::{RayCast, Shooter};
 use crate::form_factor::{FormFactors, RayCastOptions};
@@ -38,7 +37,7 @@ impl Direct {
         Self {
             channels: exitance.len() / mesh.elements().len(),
             raycast: RayCast::new(mesh.clone(), options),
-            shadow_rays: ShadowRays::new(mesh.clone(), Receivers::Elements, &exitance, seed),
+            shadow_rays: ShadowRays::new(mesh.clone(), &exitance, seed),
             exitance,
             mesh,
         }

@@ -87,6 +87,14 @@ impl Estimates {
         sum / f64::from(self.rays[place].max(1))
     }
 
+    /// Irradiance of all places, summed over channels.
+    pub(super) fn sums(&self) -> Vec<f32> {
+        let places = self.sums.chunks_exact(self.channels).zip(&self.rays);
+        places
+            .map(|(sums, &rays)| sums.iter().sum::<f32>() / rays.max(1) as f32)
+            .collect()
+    }
+
     /// Squared standard error of the irradiance summed over channels.
     pub(super) fn square(&self, place: usize) -> f64 {
         f64::from(self.squares[place]) / f64::from(self.rays[place].max(1)).powi(2)

@@ -9,7 +9,7 @@ use super::emitters::place_of;
 use super::estimates::{Brought, LEAST_RAYS, Round};
 use super::highlights::Highlights;
 use super::lights::Place;
-use super::receivers::{Receivers, Start};
+use super::receivers::Start;
 use crate::patch::PatchMesh;
 use crate::sampling::{cosine_direction, hash};
 use crate::sobol::Sobol4;
@@ -18,6 +18,9 @@ use rayon::prelude::*;
 
 /// Independent parts of a round, whose differences tell the error.
 const REPLICATES: u32 = 2;
+/// Backs that only absorb count as so many times nearer than they are: an element that sees them is in a body or under one,
+/// where the others of its patch may be out in the open.
+const BEHIND: f32 = 8.0;
 const _: () = assert!(LEAST_RAYS.is_multiple_of(REPLICATES), "each has rays");
 
 /// What rays find.
@@ -27,68 +30,83 @@ pub(super) struct Scenery<'a> {
     pub(super) highlights: Option<&'a Highlights>,
     /// `[element][channel]`.
     pub(super) radiosity: &'a [f32],
-    pub(super) receivers: Receivers,
     pub(super) channels: usize,
 }
 
+/// What the rays of a round found.
+pub(super) struct Found {
+    pub(super) light: Brought,
+    /// Sums of the inverse distances of what each element's rays met first.
+    pub(super) nearness: Vec<f32>,
+}
+
 impl Scenery<'_> {
-    /// One more round of rays from receivers.
-    pub(super) fn gather(&self, round: Round<'_>, seed: u64) -> Brought {
-        let mut brought = Brought::nothing(round.wanted.len(), self.channels);
-        brought.rays = brought
+    /// One more round of rays from elements.
+    pub(super) fn gather(&self, round: Round<'_>, seed: u64) -> Found {
+        let mut light = Brought::nothing(round.wanted.len(), self.channels);
+        let mut nearness = vec![0.0; round.wanted.len()];
+        light.rays = light
             .irradiance
             .par_chunks_exact_mut(self.channels)
-            .zip(&mut brought.squares)
+            .zip(&mut light.squares)
+            .zip(&mut nearness)
             .enumerate()
-            .map(|(receiver, (irradiance, square))| {
-                let rays = round.wanted[receiver];
-                let start = Start::new(self.mesh, self.receivers, receiver);
+            .map(|(element, ((irradiance, square), nearness))| {
+                let rays = round.wanted[element];
+                let start = Start::new(self.mesh, element);
                 let Some(start) = start.filter(|_| rays > 0) else {
                     return 0;
                 };
-                let seed = hash(seed, receiver as u64);
-                let seed = hash(seed, u64::from(round.before[receiver]));
-                *square = self.gather_at(receiver, &start, rays, seed, irradiance);
+                let seed = hash(seed, element as u64);
+                let seed = hash(seed, u64::from(round.before[element]));
+                let mut sums = vec![0.0; self.channels];
+                (*square, *nearness) = self.gather_at(element, &start, rays, seed, &mut sums);
+                let pairs = irradiance.iter_mut().zip(&sums);
+                pairs.for_each(|(out, sum)| *out = super::to_f32(sum / f64::from(rays)));
                 u64::from(rays)
             })
             .sum();
-        brought
+        Found { light, nearness }
     }
 
-    /// What arrives at a receiver; the squared error of all channels together.
+    /// Adds what arrives at an element by each of its rays; the squared error of the mean, all channels together, and the
+    /// sum of inverse distances.
     fn gather_at(
         &self,
-        receiver: usize,
+        element: usize,
         start: &Start,
         rays: u32,
         seed: u64,
-        irradiance: &mut [f32],
-    ) -> f32 {
-        let patch = self.receivers.patch_of(self.mesh, receiver);
+        sums: &mut [f64],
+    ) -> (f32, f32) {
+        let patch = self.mesh.patch_of_element(element);
         let place = place_of(self.mesh, self.mesh.patches()[patch]);
         let each = rays / REPLICATES;
-        let mut sums = vec![0.0; self.channels];
+        let mut nearness = 0.0;
         let replicates = core::array::from_fn(|replicate| {
             let sequence = Sobol4::new(hash(seed, replicate as u64));
             let before: f64 = sums.iter().sum();
             for ray in 0..each {
-                self.find(&place, start, sequence.point(ray), &mut sums);
+                nearness += self.find(&place, start, sequence.point(ray), sums);
             }
             (sums.iter().sum::<f64>() - before) / f64::from(each)
         });
-        let pairs = irradiance.iter_mut().zip(&sums);
-        pairs.for_each(|(out, sum)| *out = super::to_f32(sum / f64::from(rays)));
-        super::to_f32(square_of_mean(replicates))
+        (super::to_f32(square_of_mean(replicates)), nearness)
     }
 
-    /// Adds what a ray finds.
-    fn find(&self, place: &Place, start: &Start, [s, t, u, v]: [f32; 4], sums: &mut [f64]) {
+    /// Adds what a ray finds; the inverse distance of what it meets first.
+    fn find(&self, place: &Place, start: &Start, [s, t, u, v]: [f32; 4], sums: &mut [f64]) -> f32 {
         let visibility = self.mesh.visibility();
         let (point, normal) = start.point([u, v]);
         let origin = visibility.off_surface(point, normal);
         let direction = cosine_direction(normal, [s, t]);
+        let mut nearness = None;
         visibility.follow(origin, direction, |hit, arriving, _| {
-            let Some(met) = self.mesh.element_at(hit.face, hit.side, hit.point) else {
+            let met = self.mesh.element_at(hit.face, hit.side, hit.point);
+            let weight = if met.is_some() { 1.0 } else { BEHIND };
+            let distance = origin.distance(hit.point).max(f32::MIN_POSITIVE);
+            nearness.get_or_insert(weight / distance);
+            let Some(met) = met else {
                 return;
             };
             let range = met * self.channels..(met + 1) * self.channels;
@@ -99,6 +117,7 @@ impl Scenery<'_> {
                 *sum += f64::from(rest * arriving[channel % BANDS]);
             }
         });
+        nearness.unwrap_or(0.0)
     }
 }
 

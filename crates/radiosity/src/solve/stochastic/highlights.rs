@@ -6,7 +6,6 @@
 
 use super::estimates::{Brought, Round};
 use super::lights::Place;
-use super::receivers::Receivers;
 use super::shadow_rays::ShadowRays;
 use crate::patch::PatchMesh;
 use std::sync::Arc;
@@ -26,7 +25,6 @@ impl Highlights {
     /// Of a reflected radiosity, `[element][channel]`.
     pub(super) fn new(
         mesh: &Arc<PatchMesh>,
-        receivers: Receivers,
         radiosity: &[f32],
         channels: usize,
         seed: u64,
@@ -47,7 +45,7 @@ impl Highlights {
         }
         Self {
             channels,
-            shadow_rays: ShadowRays::new(mesh.clone(), receivers, &by_channel, seed),
+            shadow_rays: ShadowRays::new(mesh.clone(), &by_channel, seed),
             radiosity: highlights,
         }
     }

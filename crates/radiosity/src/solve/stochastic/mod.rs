@@ -7,15 +7,16 @@
 //! 2. *Spreading*: each step shoots all that is unshot, by as many rays as it is worth, until little is left. Where no
 //!    ray is lost, from whatever surface, a constant radiosity needs no rays, as what leaves at it arrives at it: it is
 //!    subtracted from what is shot and added to what arrives (a control variate).
-//! 3. *Gathering* reflected light at every receiver, that of the brightest surfaces by shadow rays of their own.
+//! 3. *Gathering* reflected light at every element, that of the brightest surfaces by shadow rays of their own. In the open
+//!    the elements of a patch are as good as one; close to other surfaces each sees for itself.
 //! 4. *Refining* what makes most of the noise, by as many rays for each place as its error asks for. What shots brought
 //!    is no longer needed then, all later estimates of a place are averaged.
 //!
-//! Interreflected light is counted on elements, or on patches where there are more than 50,000 elements. Rays follow
+//! Shots are counted on elements, or on patches where there are more than 50,000 elements. Rays follow
 //! low-discrepancy sequences. How their parts differ tells the standard error of every element; [`Stochastic::noise`] sums
 //! it up.
 //!
-//! The cost of a step is that of its rays: with so many for each receiver, an error takes work that grows with the
+//! The cost of a step is that of its rays: with so many for each element, an error takes work that grows with the
 //! scene as the depth of its hierarchy of boxes does beyond the number of receivers.
 
 mod allocation;
@@ -34,6 +35,7 @@ mod noise;
 mod receivers;
 mod shadow_rays;
 mod shoot;
+mod shrinkage;
 mod source;
 mod strata;
 mod tally;
@@ -62,14 +64,15 @@ use std::time::{Duration, Instant};
 /// How the rays are spent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StochasticOptions {
-    /// Rays by which each receiver gathers reflected light at first, rounded up to a power of two, and patches a quarter of
-    /// that; those that are uncertain get more. For spreading it a quarter as many are shot for each receiver, on average. Default value: 256.
+    /// Rays by which each element gathers reflected light at first, rounded up to a power of two, and with a quarter as many
+    /// or 64 direct light; those that are uncertain get more. Where patches count shots, the elements of each share a
+    /// quarter of the rays. For spreading light a quarter as many are shot for each receiver, on average. Default value: 256.
     pub rays: u32,
     /// Finished at this noise ([`Stochastic::noise`]). Default value: 0.03.
     pub noise: f64,
     /// Unshot share of the emitted flux at which spreading ends. Default value: 5e-4.
     pub tolerance: f64,
-    /// Elements up to which each counts reflected light for itself. Default value: 50,000.
+    /// Elements up to which each counts for itself what is shot; beyond, patches do until elements gather. Default value: 50,000.
     pub counting_elements: usize,
     /// Seed of the sequences. Default value: 0.
     pub seed: u64,
@@ -98,8 +101,10 @@ const FIRST_SHARE: u32 = 4;
 /// Shadow rays of each element that only learn what is in the way: what they bring is so uncertain that it would spoil
 /// what later ones know better.
 const LEARNING_RAYS: u32 = 16;
-/// Shadow rays of each element in the first round that counts: enough to tell where more are wanted.
+/// Least shadow rays of each element in the first round that counts, enough to tell where more are wanted; and rays by
+/// which it gathers for each of them.
 const SHADOW_RAYS: u32 = 32;
+const GATHERED_FOR_SHADOW: u32 = 8;
 /// Least rays that spread all light: they also tell how much is lost.
 const LEAST_SHOTS: f64 = (1_u32 << 18) as f64;
 
@@ -139,7 +144,7 @@ pub struct Stochastic {
     options: StochasticOptions,
     phase: Phase,
     receivers: Receivers,
-    interpolation: Option<Interpolation>,
+    interpolation: Interpolation,
     shooter: Shooter,
     direct: Direct,
     /// None before the first gathering.
@@ -181,7 +186,6 @@ impl Stochastic {
         let channels = solution.groups().len() * BANDS;
         let elements = mesh.elements().len();
         let receivers = Receivers::of(&mesh, options.counting_elements);
-        let areas = receivers.areas(&mesh);
         let is_new = solution.provenance.steps == 0;
         let exitance = if is_new {
             all_channels(&solution, Solution::exitance)
@@ -199,12 +203,11 @@ impl Stochastic {
             } else {
                 Phase::Direct
             },
-            interpolation: (receivers == Receivers::Patches)
-                .then(|| Interpolation::new(&mesh, areas.clone())),
+            interpolation: Interpolation::new(&mesh, Receivers::Patches.areas(&mesh)),
             shooter: Shooter::new(&mesh, receivers, hash(options.seed, 2)),
             before: all_channels(&solution, Solution::irradiance),
             direct_light: DirectLight::new(elements, channels),
-            reflected: Reflected::new(areas, channels),
+            reflected: Reflected::new(&mesh, receivers, channels),
             highlights: None,
             lost: Lost::new(&solution),
             is_closed: None,
@@ -226,11 +229,11 @@ impl Stochastic {
 
     /// Relative standard error of the irradiance, root mean square over the elements that receive more than a hundredth
     /// of the mean; infinite as long as nothing is known. Neither the error of light that was there before is in it, nor
-    /// that of the radiosity that is gathered, nor that of interpolation from patches to elements.
+    /// that of the radiosity that is gathered.
     ///
-    /// By [`Self::check_noise`] with 64 times the rays, 4.9 % are found where 5.7 % are stated in the `theatre` (179,032
-    /// elements), 4.7 % for 4.8 % in the `steel-mill`, 4.9 % for 4.8 % in the `chapel`, 1.7 % for 2.0 % in `cornell`.
-    /// Counting reflected light on patches costs far more: with it, 37 % in the theatre, 31 % in the mill.
+    /// It is stated too small where few rays happened to agree: by [`Self::check_noise`] with 64 times the rays, 6.7 % are
+    /// found where 5.8 % are stated in the `theatre` (232,468 elements on 90,421 patches), 5.7 % for 4.9 % in the
+    /// `steel-mill` (111,854 on 33,870).
     pub fn noise(&self) -> f64 {
         self.noise
     }
@@ -263,7 +266,7 @@ impl Stochastic {
     /// Estimated standard error of an element's irradiance, summed over channels and undimmed; infinite as long as
     /// nothing is known.
     pub fn standard_error(&self, element: usize) -> f64 {
-        (self.direct_light.square(element) + self.reflected_square(element)).sqrt()
+        (self.direct_light.square(element) + self.reflected.square(element)).sqrt()
     }
 
     fn mesh(&self) -> &Arc<PatchMesh> {
@@ -288,7 +291,8 @@ impl Stochastic {
         let learning = vec![LEARNING_RAYS; elements];
         let learnt = self.direct.round(self.direct_light.far.round(&learning));
         self.stages.direct.rays += learnt.rays;
-        self.add_direct_round(&vec![SHADOW_RAYS; elements]);
+        let rays = (self.options.rays / GATHERED_FOR_SHADOW).next_power_of_two();
+        self.add_direct_round(&vec![rays.max(SHADOW_RAYS); elements]);
         self.stages.direct.time += start.elapsed();
         self.update();
         self.phase = Phase::Spread;
@@ -321,7 +325,8 @@ impl Stochastic {
         self.stages.spreading.rays += arrived.rays;
         let pairs = self.shot.iter_mut().zip(&unshot);
         pairs.for_each(|(shot, unshot)| *shot += unshot);
-        self.reflected.add_shots(&arrived);
+        self.reflected
+            .add_shots(self.solution.mesh(), &arrived, &self.interpolation);
         self.lost.add_reflected(&arrived);
         self.stages.spreading.time += start.elapsed();
         self.update();
@@ -351,55 +356,69 @@ impl Stochastic {
         arrived
     }
 
-    /// Gathers reflected light at the receivers of which it is uncertain, at all of them the first time.
+    /// Gathers reflected light at the elements of which it is uncertain, at all of them the first time.
     fn gather(&mut self) {
         let start = Instant::now();
         let mesh = self.mesh().clone();
         let radiosity = self.reflected_radiosity();
         let mut highlights = self.highlights.take().unwrap_or_else(|| {
             let seed = hash(self.options.seed, 6);
-            Highlights::new(&mesh, self.receivers, &radiosity, self.channels(), seed)
+            Highlights::new(&mesh, &radiosity, self.channels(), seed)
         });
+        let first = self.first_gathering(highlights.is_empty());
         let wanted = match &self.reflected.gathered {
+            Some(draft) if self.reflected.is_draft() => {
+                larger(&first, &self.wanted_gathering(draft))
+            }
             Some(gathered) => self.wanted_gathering(gathered),
-            None => self.first_gathering(highlights.is_empty()),
+            None => first,
         };
         let scenery = Scenery {
             mesh: &mesh,
             highlights: Some(&highlights),
             radiosity: &radiosity,
-            receivers: self.receivers,
             channels: self.channels(),
         };
         let [to_highlights, to_rest] = &wanted;
         let gathered = self.reflected.gathered();
-        let rest = scenery.gather(gathered.rest.round(to_rest), hash(self.options.seed, 4));
+        let seed = if gathered.is_draft { 9 } else { 4 };
+        let seed = hash(self.options.seed, seed);
+        let rest = scenery.gather(gathered.rest.round(to_rest), seed);
         let brought = highlights.round(gathered.highlights.round(to_highlights));
-        gathered.rest.add(&rest, to_rest);
-        gathered.highlights.add(&brought, to_highlights);
-        self.stages.gathering.rays += rest.rays + brought.rays;
+        self.stages.gathering.rays += rest.light.rays + brought.rays;
+        let brought = (&brought, &rest);
+        self.reflected
+            .add_gathered(&mesh, brought, &wanted, &self.interpolation);
         self.highlights = Some(highlights);
         self.stages.gathering.time += start.elapsed();
         self.update();
         self.phase = self.next_phase();
     }
 
-    /// Rays of the first gathering.
+    /// Rays of the first gathering: those of a receiver are shared by its elements.
     fn first_gathering(&self, is_without_highlights: bool) -> [Vec<u32>; 2] {
-        let receivers = self.reflected.areas.len();
-        // Patches are of all sizes, those with many elements are worth more.
-        let share = match self.receivers {
-            Receivers::Elements => 1,
-            Receivers::Patches => FIRST_SHARE,
+        let mesh = self.mesh();
+        let rays = |e: usize| match self.receivers {
+            Receivers::Elements => self.options.rays,
+            Receivers::Patches => {
+                let elements = mesh.elements_of_patch(mesh.patch_of_element(e));
+                self.options.rays / FIRST_SHARE / crate::index32(elements.len())
+            }
         };
-        let rays = (self.options.rays / share).next_power_of_two();
-        let rays = rays.max(LEAST_RAYS);
-        let to_highlights = if is_without_highlights {
-            0
-        } else {
-            (rays / 4).max(LEAST_RAYS)
+        let elements = 0..mesh.elements().len();
+        // What is buried has none: nothing would be taken for its light.
+        let exposed = |e: usize| u32::from(mesh.exposed_area(e) > 0.0);
+        let to_rest: Vec<u32> = elements
+            .map(|e| exposed(e) * rays(e).next_power_of_two().max(LEAST_RAYS))
+            .collect();
+        let to_highlights = |&rays: &u32| {
+            if is_without_highlights || rays == 0 {
+                0
+            } else {
+                (rays / 4).max(LEAST_RAYS)
+            }
         };
-        [vec![to_highlights; receivers], vec![rays; receivers]]
+        [to_rest.iter().map(to_highlights).collect(), to_rest]
     }
 
     /// What leaves the elements by reflection, `[element][channel]`.
@@ -422,6 +441,9 @@ impl Stochastic {
         let is_over = !self.is_new
             || self.noise <= self.options.noise
             || self.refinements >= MOST_REFINEMENTS;
+        if self.is_new && self.reflected.is_draft() {
+            return Phase::Gather;
+        }
         match (is_over, self.is_direct_worse()) {
             (true, _) => Phase::Done,
             (false, true) => Phase::Refine,
@@ -443,30 +465,17 @@ impl Stochastic {
         let mut irradiance = vec![0.0; self.channels() * elements];
         for channel in 0..self.channels() {
             let range = channel * elements..(channel + 1) * elements;
-            let values = &mut irradiance[range.clone()];
-            self.spread_reflected(channel, values);
-            let before = &self.before[range];
-            let pairs = values.par_iter_mut().zip(before).enumerate();
+            let values = irradiance[range.clone()].par_iter_mut();
+            let pairs = values.zip(&self.before[range]).enumerate();
             pairs.for_each(|(e, (value, before))| {
-                *value += before + to_f32(self.direct_light.irradiance(e, channel));
+                let reflected = self.reflected.irradiance(e, channel);
+                let direct = self.direct_light.irradiance(e, channel);
+                *value = before + to_f32(reflected) + to_f32(direct);
             });
         }
         self.write(&irradiance);
         self.noises = self.estimate_noises();
         self.noise = self.noises[0].hypot(self.noises[1]);
-    }
-
-    /// Reflected light of the elements.
-    fn spread_reflected(&self, channel: usize, values: &mut [f32]) {
-        let receivers = 0..self.reflected.areas.len();
-        let light: Vec<f32> = receivers
-            .into_par_iter()
-            .map(|receiver| to_f32(self.reflected.irradiance(receiver, channel)))
-            .collect();
-        match &self.interpolation {
-            Some(interpolation) => interpolation.to_elements(self.mesh(), &light, values),
-            None => values.copy_from_slice(&light),
-        }
     }
 }
 
@@ -515,6 +524,14 @@ impl Solver for Stochastic {
     fn into_solution(self) -> Solution {
         self.solution
     }
+}
+
+/// The larger of the rays that two want of each kind.
+fn larger(first: &[Vec<u32>; 2], second: &[Vec<u32>; 2]) -> [Vec<u32>; 2] {
+    [0, 1].map(|kind: usize| {
+        let pairs = first[kind].iter().zip(&second[kind]);
+        pairs.map(|(&a, &b)| a.max(b)).collect()
+    })
 }
 
 /// All channels of something, one after the other.

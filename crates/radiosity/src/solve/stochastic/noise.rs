@@ -57,7 +57,7 @@ impl Stochastic {
         allocate(&squares, self.direct_light.far.rays(), goal)
     }
 
-    /// Rays that the receivers want next: to highlights, and to all other reflected light.
+    /// Rays that the elements want next: to highlights, and to all other reflected light.
     pub(super) fn wanted_gathering(&self, gathered: &Gathered) -> [Vec<u32>; 2] {
         let weights = self.weights();
         let squares = self.reflected_squares(gathered, &weights);
@@ -65,39 +65,33 @@ impl Stochastic {
         let rays = rays.concat();
         let goal = self.squares_of(self.goals()[1], &weights);
         let mut highlights = allocate(&squares, &rays, goal);
-        let rest = highlights.split_off(self.reflected.areas.len());
+        let rest = highlights.split_off(weights.len());
         [highlights, rest]
     }
 
-    /// Relative squared errors of highlights at all receivers, then of all other reflected light, each summed over the
-    /// receiver's elements.
+    /// Relative squared errors of highlights at all elements, then of all other reflected light.
     fn reflected_squares(&self, gathered: &Gathered, weights: &[f64]) -> Vec<f64> {
-        let mut of_receivers = vec![0.0; self.reflected.areas.len()];
-        for (e, weight) in weights.iter().enumerate() {
-            of_receivers[self.receivers.of_element(self.mesh(), e)] += weight;
-        }
-        let parts = [&gathered.highlights, &gathered.rest];
-        parts
-            .map(|light| relative_squares(light, &of_receivers))
+        gathered
+            .parts()
+            .map(|(light, shrinkage)| {
+                let left = weights.iter().enumerate();
+                let left: Vec<f64> = left.map(|(e, w)| w * shrinkage.left(e)).collect();
+                relative_squares(light, &left)
+            })
             .concat()
     }
 
     /// Relative squared errors of the elements, as [`Self::estimate_noises`] takes them.
     pub(super) fn relative_squares_of_elements(&self, weights: &[f64]) -> Vec<f64> {
         let mut squares = relative_squares(&self.direct_light.far, weights);
-        let Some(gathered) = &self.reflected.gathered else {
-            return squares;
-        };
-        let of_receivers = self.reflected_squares(gathered, weights);
-        let receivers = self.reflected.areas.len();
-        let mut elements = vec![0_u32; receivers];
-        let receiver = |e: usize| self.receivers.of_element(self.mesh(), e);
-        let counting = || (0..weights.len()).filter(|&e| weights[e] > 0.0);
-        counting().for_each(|e| elements[receiver(e)] += 1);
-        for e in counting() {
-            let r = receiver(e);
-            let sum = of_receivers[r] + of_receivers[receivers + r];
-            squares[e] += sum / f64::from(elements[r]);
+        if let Some(gathered) = &self.reflected.gathered {
+            let reflected = self.reflected_squares(gathered, weights);
+            for part in reflected.chunks_exact(squares.len()) {
+                squares
+                    .iter_mut()
+                    .zip(part)
+                    .for_each(|(sum, part)| *sum += part);
+            }
         }
         squares
     }
@@ -143,12 +137,6 @@ impl Stochastic {
         (0..self.channels())
             .map(|c| f64::from(self.solution.irradiance(c / BANDS, c % BANDS)[element]))
             .sum()
-    }
-
-    /// Squared standard error of an element's reflected light.
-    pub(super) fn reflected_square(&self, element: usize) -> f64 {
-        let receiver = self.receivers.of_element(self.mesh(), element);
-        self.reflected.square(receiver)
     }
 }
 

@@ -1,10 +1,8 @@
-//! Where interreflected light is counted: on elements, or on patches where there are too many of them.
+//! Where shots of reflected light are counted: on elements, or on patches where there are too many of them.
 
-use super::source::Source;
 use crate::patch::PatchMesh;
 use crate::patch::exposure::ExposedArea;
 use crate::patch::face::Side;
-use core::ops::Range;
 use glam::Vec3;
 
 /// A cut through the mesh whose nodes count what arrives.
@@ -23,30 +21,6 @@ impl Receivers {
             Self::Elements
         } else {
             Self::Patches
-        }
-    }
-
-    /// The receiver over an element.
-    pub(super) fn of_element(self, mesh: &PatchMesh, element: usize) -> usize {
-        match self {
-            Self::Elements => element,
-            Self::Patches => mesh.patch_of_element(element),
-        }
-    }
-
-    /// The receivers of a patch.
-    pub(super) fn of_patch(self, mesh: &PatchMesh, patch: usize) -> Range<usize> {
-        match self {
-            Self::Elements => mesh.elements_of_patch(patch),
-            Self::Patches => patch..patch + 1,
-        }
-    }
-
-    /// The patch of a receiver.
-    pub(super) fn patch_of(self, mesh: &PatchMesh, receiver: usize) -> usize {
-        match self {
-            Self::Elements => mesh.patch_of_element(receiver),
-            Self::Patches => receiver,
         }
     }
 
@@ -76,40 +50,22 @@ impl Receivers {
     }
 }
 
-/// Where the rays of a receiver start.
-pub(super) enum Start {
-    /// On an element, with its normal.
-    Element(ExposedArea, Vec3),
-    /// On the elements of a patch, by their areas.
-    Patch(Source, Vec<(ExposedArea, Vec3)>),
+/// Where the rays of an element start.
+pub(super) struct Start {
+    area: ExposedArea,
+    normal: Vec3,
 }
 
 impl Start {
-    /// None if nothing of the receiver is exposed.
-    pub(super) fn new(mesh: &PatchMesh, receivers: Receivers, receiver: usize) -> Option<Self> {
-        let element = |e: usize| (mesh.exposed(e), mesh.node(mesh.elements()[e]).normal);
-        match receivers {
-            Receivers::Elements => {
-                let (area, normal) = element(receiver);
-                (area.area() > 0.0).then_some(Self::Element(area, normal))
-            }
-            Receivers::Patches => {
-                let source = Source::new(mesh, receiver, |e| f64::from(mesh.exposed_area(e)));
-                let elements = mesh.elements_of_patch(receiver).map(element);
-                (source.total() > 0.0).then(|| Self::Patch(source, elements.collect()))
-            }
-        }
+    /// None if nothing of the element is exposed.
+    pub(super) fn new(mesh: &PatchMesh, element: usize) -> Option<Self> {
+        let area = mesh.exposed(element);
+        let normal = mesh.node(mesh.elements()[element]).normal;
+        (area.area() > 0.0).then_some(Self { area, normal })
     }
 
     /// A point by area, and the normal there.
-    pub(super) fn point(&self, [u, v]: [f32; 2]) -> (Vec3, Vec3) {
-        match self {
-            Self::Element(area, normal) => (area.point([u, v]), *normal),
-            Self::Patch(source, elements) => {
-                let choice = source.choose(u);
-                let (area, normal) = &elements[choice.element - source.first];
-                (area.point([choice.rest, v]), *normal)
-            }
-        }
+    pub(super) fn point(&self, sample: [f32; 2]) -> (Vec3, Vec3) {
+        (self.area.point(sample), self.normal)
     }
 }

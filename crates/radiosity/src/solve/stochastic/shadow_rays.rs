@@ -10,7 +10,7 @@ use super::cells::{Cell, Found, cells};
 use super::emitters::{Elements, Emitter, NEAR, place_of};
 use super::estimates::{Brought, Round};
 use super::lights::{Lamp, Lights, Place};
-use super::receivers::{Receivers, Start};
+use super::receivers::Start;
 use super::strata::{Spread, Stratum};
 use super::view::{Choice, Sight, View};
 use crate::form_factor::raycast::kernel;
@@ -32,7 +32,6 @@ const DARK: u32 = u32::MAX;
 /// Emitters, and what is known of what hides them.
 pub(super) struct ShadowRays {
     mesh: Arc<PatchMesh>,
-    receivers: Receivers,
     channels: usize,
     emitters: Vec<Emitter>,
     elements: Elements,
@@ -113,12 +112,7 @@ impl ToCell {
 
 impl ShadowRays {
     /// Emitters by their exitance, `[channel][element]`.
-    pub(super) fn new(
-        mesh: Arc<PatchMesh>,
-        receivers: Receivers,
-        exitance: &[f32],
-        seed: u64,
-    ) -> Self {
+    pub(super) fn new(mesh: Arc<PatchMesh>, exitance: &[f32], seed: u64) -> Self {
         let channels = exitance.len() / mesh.elements().len();
         let emitters: Vec<Emitter> = (0..mesh.patches().len())
             .into_par_iter()
@@ -140,7 +134,6 @@ impl ShadowRays {
                 cells(&places, &lights)
             },
             lights,
-            receivers,
             channels,
             elements: Elements::of(&mesh, &emitters, exitance),
             emitters,
@@ -181,7 +174,7 @@ impl ShadowRays {
             let mut light = found.irradiance.chunks_exact(self.channels);
             let mut squares = found.squares.iter();
             for &patch in &cell.patches {
-                for receiver in self.receivers.of_patch(&self.mesh, patch as usize) {
+                for receiver in self.mesh.elements_of_patch(patch as usize) {
                     // A cell that had no rays brings nothing.
                     if let (Some(light), Some(&square)) = (light.next(), squares.next()) {
                         let start = receiver * self.channels;
@@ -198,7 +191,7 @@ impl ShadowRays {
 
     fn light_cell(&self, cell: &mut Cell, round: Round<'_>) -> ToCell {
         let mut to_cell = ToCell::default();
-        let receivers = |&patch: &u32| self.receivers.of_patch(&self.mesh, patch as usize);
+        let receivers = |&patch: &u32| self.mesh.elements_of_patch(patch as usize);
         let mut all = cell.patches.iter().flat_map(receivers);
         if all.all(|receiver| round.wanted[receiver] == 0) {
             return to_cell;
@@ -243,7 +236,7 @@ impl ShadowRays {
             let near = self.near(patch);
             let positions = near.iter().map(|&emitter| self.lights.position(emitter));
             view.leave_out(&self.lights, positions);
-            for receiver in self.receivers.of_patch(&self.mesh, patch) {
+            for receiver in self.mesh.elements_of_patch(patch) {
                 self.aim(patch, receiver, wanted(receiver), seed, view, &mut rays);
                 rays.ends.push(rays.strata.len());
             }
@@ -282,11 +275,11 @@ impl ShadowRays {
         let start_of_sums = rays.sums.len();
         rays.numbers.resize(first + count as usize, 0.0);
         rays.sums.resize(start_of_sums + self.channels, 0.0);
-        let start = Start::new(&self.mesh, self.receivers, receiver);
+        let start = Start::new(&self.mesh, receiver);
         let Some(start) = start.filter(|_| count > 0) else {
             return;
         };
-        let place = self.place_of_receiver(receiver);
+        let place = place_of(&self.mesh, self.mesh.elements()[receiver]);
         view.look(&place, &rays.shares, &mut rays.sight);
         let sums = &mut rays.sums[start_of_sums..];
         for (sum, expected) in sums.iter_mut().zip(rays.sight.total()) {
@@ -325,14 +318,6 @@ impl ShadowRays {
             }
             rays.strata.push(stratum);
         }
-    }
-
-    fn place_of_receiver(&self, receiver: usize) -> Place {
-        let id = match self.receivers {
-            Receivers::Elements => self.mesh.elements()[receiver],
-            Receivers::Patches => self.mesh.patches()[receiver],
-        };
-        place_of(&self.mesh, id)
     }
 
     /// A ray to a point of a receiver on a patch from one of an emitter, and its ends.
@@ -401,7 +386,7 @@ impl ShadowRays {
         let mut answers = rays.rays.iter().zip(&rays.through).peekable();
         let (mut first, mut done) = (0, 0);
         let (mut strata_left, mut ends) = (rays.strata.as_slice(), rays.ends.iter());
-        let receivers = self.receivers.of_patch(&self.mesh, patch);
+        let receivers = self.mesh.elements_of_patch(patch);
         for (receiver, sums) in receivers.zip(rays.sums.chunks_exact_mut(self.channels)) {
             let count = wanted(receiver);
             let end = first + count;
