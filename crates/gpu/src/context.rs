@@ -4,10 +4,14 @@ use crate::error::GpuError;
 use crate::ray_queries::{RayQueries, with_ray_queries};
 use core::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 use wgpu::{Adapter, Backends, Device, DeviceType, Features, Instance, Limits, Queue};
 
 /// Name of the environment variable that chooses an adapter where no option does.
 pub const ADAPTER_VARIABLE: &str = "HEMICUBE_ADAPTER";
+
+/// How long the device is waited for at a time. While somebody waits, wgpu presents no window.
+const PATIENCE: Duration = Duration::from_millis(2);
 
 /// An adapter, as `hemicube adapters` lists it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -339,12 +343,12 @@ impl Context {
         self.failure().map_or(Ok(()), Err)
     }
 
-    /// Waits until everything that was submitted is done.
+    /// Waits until everything that was submitted is done; what others submit meanwhile may go on.
     ///
     /// # Errors
     /// The device was lost or its memory ran out.
     pub fn wait(&self) -> Result<(), GpuError> {
-        self.poll(wgpu::PollType::wait_indefinitely())
+        self.wait_for(self.queue.submit([]))
     }
 
     /// Waits until a submission is done; what others have submitted after it may go on.
@@ -352,21 +356,22 @@ impl Context {
     /// # Errors
     /// The device was lost or its memory ran out.
     pub fn wait_for(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
-        self.poll(wgpu::PollType::Wait {
-            submission_index: Some(submission),
-            timeout: None,
-        })
-    }
-
-    fn poll(&self, until: wgpu::PollType) -> Result<(), GpuError> {
-        let polled = self.device.poll(until);
-        match (self.failure(), polled) {
-            (Some(failure), _) => Err(failure),
-            (None, Err(e)) => Err(GpuError::Lost {
-                adapter: self.name.clone(),
-                why: one_line(&e),
-            }),
-            (None, Ok(_)) => Ok(()),
+        loop {
+            let polled = self.device.poll(wgpu::PollType::Wait {
+                submission_index: Some(submission.clone()),
+                timeout: Some(PATIENCE),
+            });
+            match (self.failure(), polled) {
+                (Some(failure), _) => return Err(failure),
+                (None, Ok(_)) => return Ok(()),
+                (None, Err(wgpu::PollError::Timeout)) => {}
+                (None, Err(e)) => {
+                    return Err(GpuError::Lost {
+                        adapter: self.name.clone(),
+                        why: one_line(&e),
+                    });
+                }
+            }
         }
     }
 

@@ -15,7 +15,7 @@ mod report;
 
 use crate::desk::Desk;
 use crate::frames::FrameTimes;
-use crate::session::OnDevice;
+use crate::session::{OnDevice, Phase};
 use edits::Edits;
 use probe::Probe;
 use process::{cpu_by_threads, resident_memory};
@@ -69,6 +69,38 @@ struct Figures {
     /// Widths of their pixels added up.
     widths: u32,
     cpu: Cpu,
+    solving: Solving,
+}
+
+/// What the solver did meanwhile.
+#[derive(Debug, Clone, Copy, Default)]
+struct Solving {
+    /// How long it was at work.
+    time: Duration,
+    /// Its steps, of which a solver that shoots has one for each patch, when that began, and the last that was heard of.
+    steps: Option<[u64; 2]>,
+}
+
+impl Solving {
+    /// A frame took so long.
+    fn note(&mut self, desk: &Desk, frame: Duration) {
+        let Some(snapshot) = desk.snapshot.as_ref() else {
+            return;
+        };
+        let now = snapshot.lanes[0].progress.iteration;
+        let [first, _] = self.steps.unwrap_or([now; 2]);
+        self.steps = Some([first, now]);
+        if desk.status.phase == Phase::Solving {
+            self.time += frame;
+        }
+    }
+
+    /// Steps a second while it was at work.
+    fn rate(&self) -> Option<f64> {
+        let [first, last] = self.steps?;
+        let steps = last.checked_sub(first).filter(|&steps| steps > 0)?;
+        Some(steps as f64 / self.time.as_secs_f64().max(1e-3))
+    }
 }
 
 impl Default for Figures {
@@ -78,6 +110,7 @@ impl Default for Figures {
             pictures: 0,
             widths: 0,
             cpu: Cpu::default(),
+            solving: Solving::default(),
         }
     }
 }
@@ -119,6 +152,7 @@ impl Trial {
             Some((last, then)) if then == part => {
                 if let Some(figures) = self.figures(part) {
                     figures.frames.push(now - last);
+                    figures.solving.note(desk, now - last);
                 }
             }
             other => self.change(other.map(|(_, then)| then), part),
