@@ -41,6 +41,7 @@ pub struct GpuShooting {
     /// No patch begins to shoot after so many.
     most_shots: u32,
     submissions: u64,
+    hemicubes: u64,
     /// Bytes that came to the CPU after steps, and with light.
     step_bytes: u64,
     light_bytes: u64,
@@ -96,6 +97,7 @@ impl GpuShooting {
             under_way: VecDeque::new(),
             most_shots: u32::MAX,
             submissions: 0,
+            hemicubes: 0,
             step_bytes: 0,
             light_bytes: 0,
             watched: Vec::new(),
@@ -123,19 +125,12 @@ impl GpuShooting {
     }
 
     /// As many hemicubes in a step as fit into so much time of the device, at least one and at most 32: for windows that
-    /// draw on the same device, whose pictures wait behind a step. The first step has one. Progress is that of the step
-    /// before, since the device has a step while the one before is read; [`Solver::settle`] waits for both.
+    /// draw on the same device, whose pictures wait behind a step. The first step has one. Where steps are that short the
+    /// device has one while the one before is read, whose progress it then is; [`Solver::settle`] waits for both.
     pub fn with_step_time(self, step_time: Duration) -> Self {
         Self {
             pace: Some(Pace::new(&self.context, step_time)),
             ..self
-        }
-    }
-
-    /// Other steps take that long, if [a time was set](Self::with_step_time).
-    pub fn set_step_time(&mut self, step_time: Duration) {
-        if let Some(pace) = &mut self.pace {
-            pace.step_time = step_time;
         }
     }
 
@@ -213,6 +208,11 @@ impl GpuShooting {
         self.submissions
     }
 
+    /// Hemicubes so far, those included that are still to be drawn.
+    pub fn hemicubes(&self) -> u64 {
+        self.hemicubes
+    }
+
     /// Patches that have begun to shoot.
     pub fn shots(&self) -> u64 {
         self.state.shots.into()
@@ -243,6 +243,7 @@ impl GpuShooting {
             watched: self.watched.clone(),
         });
         self.submissions += 1;
+        self.hemicubes += u64::from(hemicubes);
         Ok(())
     }
 
@@ -309,8 +310,9 @@ impl GpuShooting {
             self.submit(self.hemicubes_per_step)?;
             return self.read_all();
         };
+        let keeps = pace.keeps;
         self.submit(pace.hemicubes)?;
-        while self.under_way.len() >= UNDER_WAY {
+        while self.under_way.len() > keeps {
             self.read_first()?;
         }
         Ok(())

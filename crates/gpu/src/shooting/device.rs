@@ -121,7 +121,8 @@ impl OnDevice {
             tally: pipeline("tally"),
             shooting: bind(device, "shooting", &shooting_layout, &bindings),
             seen: bind(device, "seen", &seen_layout, &seen),
-            read_steps: [(); UNDER_WAY].map(|()| empty(device, "step to read", step_bytes, to_read)),
+            read_steps: [(); UNDER_WAY]
+                .map(|()| empty(device, "step to read", step_bytes, to_read)),
             read_light: empty(device, "light to read", light.size(), to_read),
             bytes: buffers.iter().map(Buffer::size).sum(),
             hemicube,
@@ -252,8 +253,11 @@ fn elements(solution: &Solution) -> Vec<twins::ElementLight> {
 /// Patches, and where the hemicubes of all of them stand.
 fn patches(cpu: &Hemicube) -> (Vec<twins::ShootingPatch>, Vec<twins::ShotView>) {
     let mesh = cpu.mesh();
-    let of_patches: Vec<Vec<twins::ShotView>> =
-        mesh.patches().par_iter().map(|&id| views(cpu, id)).collect();
+    let of_patches: Vec<Vec<twins::ShotView>> = mesh
+        .patches()
+        .par_iter()
+        .map(|&id| views(cpu, id))
+        .collect();
     let mut first_view = 0;
     let patch = |(p, (&id, views)): (usize, (&NodeId, &Vec<twins::ShotView>))| {
         let elements = mesh.elements_of_patch(p);

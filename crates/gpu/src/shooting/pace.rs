@@ -2,7 +2,8 @@
 //!
 //! A queue does one thing after the other: pictures wait behind steps, and steps behind pictures. What counts is how long
 //! a step itself keeps the device, not how long somebody waits for it, so the device's own clock is asked where it has
-//! one. Two steps are under way at a time: while one is read, the device has the next.
+//! one. Two steps are under way at a time: while one is read, the device has the next. Where a single hemicube takes longer
+//! than a step may, pictures would wait for two of those; then there is one at a time.
 
 use crate::buffer::empty;
 use crate::context::Context;
@@ -14,8 +15,11 @@ use wgpu::{
 /// Most hemicubes of a step.
 pub(super) const MOST_HEMICUBES: u32 = 32;
 
-/// Steps that are under way at a time.
+/// Most steps that are under way at a time.
 pub(super) const UNDER_WAY: usize = 2;
+
+/// A step of one hemicube that takes so many times as long as it may is alone under way.
+const TOO_LONG: f64 = 1.5;
 
 /// Bytes that the device's clock adds to a step: two readings.
 pub(super) const CLOCK_BYTES: u64 = 16;
@@ -24,8 +28,10 @@ pub(super) const CLOCK_BYTES: u64 = 16;
 #[derive(Debug)]
 pub(super) struct Pace {
     /// How long a step may keep the device.
-    pub(super) step_time: Duration,
+    step_time: Duration,
     pub(super) hemicubes: u32,
+    /// Steps that stay under way when one has been submitted.
+    pub(super) keeps: usize,
     /// The device's clock.
     pub(super) clock: Option<Clock>,
     /// When the last step was seen to be done.
@@ -38,6 +44,7 @@ impl Pace {
         Self {
             step_time,
             hemicubes: 1,
+            keeps: 0,
             clock: Clock::new(context),
             seen: None,
         }
@@ -52,6 +59,7 @@ impl Pace {
         let begin = self.seen.map_or(submitted, |seen| seen.max(submitted));
         let took = clock.unwrap_or(now - begin);
         self.hemicubes = paced(hemicubes, took, self.step_time);
+        self.keeps = kept(self.hemicubes, took, self.step_time);
         self.seen = Some(now);
     }
 }
@@ -68,6 +76,12 @@ fn paced(hemicubes: u32, took: Duration, wanted: Duration) -> u32 {
     )]
     let next = next.clamp(1.0, f64::from(MOST_HEMICUBES)) as u32;
     next
+}
+
+/// Steps that stay under way, if the next has so many hemicubes and the last took so long.
+fn kept(next: u32, took: Duration, wanted: Duration) -> usize {
+    let is_too_long = next == 1 && took.as_secs_f64() > TOO_LONG * wanted.as_secs_f64();
+    if is_too_long { 0 } else { UNDER_WAY - 1 }
 }
 
 /// The device's clock, read when a step begins and when it ends.
@@ -155,10 +169,25 @@ mod tests {
     }
 
     #[test]
+    fn long_hemicubes_are_alone_under_way() {
+        let wanted = Duration::from_millis(8);
+        let kept = |next, millis| kept(next, Duration::from_millis(millis), wanted);
+        assert_eq!(
+            kept(1, 40),
+            0,
+            "one hemicube is more than a picture can wait for"
+        );
+        assert_eq!(kept(1, 9), 1, "it takes about as long as it may");
+        assert_eq!(kept(3, 8), 1, "as long as it may");
+        assert_eq!(kept(4, 60), 1, "the next step is shorter");
+    }
+
+    #[test]
     fn a_step_counts_from_the_one_before_where_there_is_no_clock() {
         let mut pace = Pace {
             step_time: Duration::from_secs(80),
             hemicubes: 1,
+            keeps: 0,
             clock: None,
             seen: None,
         };

@@ -2,7 +2,9 @@
 
 use hemicube_radiosity::form_factor::FormFactorKind;
 use hemicube_radiosity::form_factor::hemicube::HemicubeOptions;
-use hemicube_radiosity::{Grouping, PatchOptions, Quality, SolveOptions, SolverKind};
+use hemicube_radiosity::{
+    AdaptiveOptions, Grouping, PatchOptions, Quality, SolveOptions, SolverKind,
+};
 use serde::{Deserialize, Serialize};
 
 /// The four ways of the textbook, in the order of its figure.
@@ -91,6 +93,38 @@ impl From<MeshSizes> for PatchOptions {
     }
 }
 
+/// Where elements are cut once the light on them is found, as [`AdaptiveOptions`] has it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Refinement {
+    /// Largest contrast of light over an element. Default value: 0.2.
+    pub contrast: f32,
+    /// Edges of at most this length are not cut. Default value: none, a sixteenth of the longest edge.
+    pub smallest: Option<f32>,
+    /// Most elements of a refined mesh. Default value: 100,000.
+    pub most_elements: usize,
+}
+
+impl Default for Refinement {
+    fn default() -> Self {
+        Self {
+            contrast: 0.2,
+            smallest: None,
+            most_elements: 100_000,
+        }
+    }
+}
+
+impl From<Refinement> for AdaptiveOptions {
+    fn from(refinement: Refinement) -> Self {
+        Self {
+            contrast: refinement.contrast,
+            smallest: refinement.smallest,
+            most_elements: refinement.most_elements,
+        }
+    }
+}
+
 /// How the light is found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -106,6 +140,8 @@ pub struct Settings {
     quality: usize,
     /// Another mesh than the preset's. Default value: none.
     pub mesh: Option<MeshSizes>,
+    /// Where the mesh is refined once the light is found; not while variants run side by side. Default value: nowhere.
+    pub refinement: Option<Refinement>,
     /// Unshot share of the emitted flux at which the light counts as found. Default value: 1e-4.
     pub tolerance: f64,
     /// Whether emitters are solved each on their own, so that they can be dimmed. Default value: yes.
@@ -120,6 +156,7 @@ impl Default for Settings {
             factors: FactorsBy::default(),
             quality: 1,
             mesh: None,
+            refinement: None,
             tolerance: 1e-4,
             by_source: true,
         }
@@ -151,6 +188,14 @@ impl Settings {
     pub fn with_mesh(self, mesh: MeshSizes) -> Self {
         Self {
             mesh: Some(mesh),
+            ..self
+        }
+    }
+
+    /// Where the mesh is refined once the light is found.
+    pub fn with_refinement(self, refinement: impl Into<Option<Refinement>>) -> Self {
+        Self {
+            refinement: refinement.into(),
             ..self
         }
     }
@@ -209,6 +254,7 @@ impl Settings {
         let preset = SolveOptions::from(self.quality());
         SolveOptions {
             mesh: self.mesh.map_or(preset.mesh, PatchOptions::from),
+            adaptive: self.refinement.map(AdaptiveOptions::from),
             form_factors: self.factors.kind(),
             solver: self.solver().unwrap_or_default(),
             tolerance: self.tolerance,

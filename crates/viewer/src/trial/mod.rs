@@ -77,8 +77,9 @@ struct Figures {
 struct Solving {
     /// How long it was at work.
     time: Duration,
-    /// Its steps, of which a solver that shoots has one for each patch, when that began, and the last that was heard of.
+    /// Its steps (of one that keeps its light on a device: hemicubes) when that began, and the last that was heard of.
     steps: Option<[u64; 2]>,
+    are_hemicubes: bool,
 }
 
 impl Solving {
@@ -87,7 +88,10 @@ impl Solving {
         let Some(snapshot) = desk.snapshot.as_ref() else {
             return;
         };
-        let now = snapshot.lanes[0].progress.iteration;
+        let lane = &snapshot.lanes[0];
+        let device = lane.on_device.as_ref();
+        self.are_hemicubes = device.is_some();
+        let now = device.map_or(lane.progress.iteration, |device| device.hemicubes);
         let [first, _] = self.steps.unwrap_or([now; 2]);
         self.steps = Some([first, now]);
         if desk.status.phase == Phase::Solving {
@@ -95,11 +99,16 @@ impl Solving {
         }
     }
 
-    /// Steps a second while it was at work.
-    fn rate(&self) -> Option<f64> {
+    /// Steps a second while it was at work, and what they are.
+    fn rate(&self) -> Option<(f64, &'static str)> {
         let [first, last] = self.steps?;
         let steps = last.checked_sub(first).filter(|&steps| steps > 0)?;
-        Some(steps as f64 / self.time.as_secs_f64().max(1e-3))
+        let what = if self.are_hemicubes {
+            "hemicubes"
+        } else {
+            "steps"
+        };
+        Some((steps as f64 / self.time.as_secs_f64().max(1e-3), what))
     }
 }
 
