@@ -4,14 +4,10 @@ use crate::error::GpuError;
 use crate::ray_queries::{RayQueries, with_ray_queries};
 use core::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
 use wgpu::{Adapter, Backends, Device, DeviceType, Features, Instance, Limits, Queue};
 
 /// Name of the environment variable that chooses an adapter where no option does.
 pub const ADAPTER_VARIABLE: &str = "HEMICUBE_ADAPTER";
-
-/// How long the device is waited for at a time. While somebody waits, wgpu presents no window.
-const PATIENCE: Duration = Duration::from_millis(2);
 
 /// An adapter, as `hemicube adapters` lists it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -343,35 +339,37 @@ impl Context {
         self.failure().map_or(Ok(()), Err)
     }
 
-    /// Waits until everything that was submitted is done; what others submit meanwhile may go on.
+    /// Waits until everything that was submitted is done.
     ///
     /// # Errors
     /// The device was lost or its memory ran out.
     pub fn wait(&self) -> Result<(), GpuError> {
-        self.wait_for(self.queue.submit([]))
+        self.poll(wgpu::PollType::wait_indefinitely())
     }
 
     /// Waits until a submission is done; what others have submitted after it may go on.
     ///
+    /// While somebody waits, wgpu 30 presents no window of the device. Waiting for a short time again and again is no way
+    /// out: a wait that ends early panics in wgpu if another thread polls just then.
+    ///
     /// # Errors
     /// The device was lost or its memory ran out.
     pub fn wait_for(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
-        loop {
-            let polled = self.device.poll(wgpu::PollType::Wait {
-                submission_index: Some(submission.clone()),
-                timeout: Some(PATIENCE),
-            });
-            match (self.failure(), polled) {
-                (Some(failure), _) => return Err(failure),
-                (None, Ok(_)) => return Ok(()),
-                (None, Err(wgpu::PollError::Timeout)) => {}
-                (None, Err(e)) => {
-                    return Err(GpuError::Lost {
-                        adapter: self.name.clone(),
-                        why: one_line(&e),
-                    });
-                }
-            }
+        self.poll(wgpu::PollType::Wait {
+            submission_index: Some(submission),
+            timeout: None,
+        })
+    }
+
+    fn poll(&self, until: wgpu::PollType) -> Result<(), GpuError> {
+        let polled = self.device.poll(until);
+        match (self.failure(), polled) {
+            (Some(failure), _) => Err(failure),
+            (None, Err(e)) => Err(GpuError::Lost {
+                adapter: self.name.clone(),
+                why: one_line(&e),
+            }),
+            (None, Ok(_)) => Ok(()),
         }
     }
 

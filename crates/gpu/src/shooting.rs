@@ -193,7 +193,7 @@ impl GpuShooting {
         self.is_ahead
     }
 
-    /// Bytes that came to the CPU after steps: progress, sums, and what is watched.
+    /// Bytes that come to the CPU after steps: progress, sums, what is watched, the device's clock. Steps under way count.
     pub fn step_bytes(&self) -> u64 {
         self.step_bytes
     }
@@ -242,6 +242,7 @@ impl GpuShooting {
             bytes,
             watched: self.watched.clone(),
         });
+        self.step_bytes += bytes;
         self.submissions += 1;
         self.hemicubes += u64::from(hemicubes);
         Ok(())
@@ -258,7 +259,6 @@ impl GpuShooting {
         if let Some(pace) = &mut self.pace {
             pace.note(step.hemicubes, step.submitted, clock);
         }
-        self.step_bytes += step.bytes;
         Ok(())
     }
 

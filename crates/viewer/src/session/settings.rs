@@ -2,6 +2,7 @@
 
 use hemicube_radiosity::form_factor::FormFactorKind;
 use hemicube_radiosity::form_factor::hemicube::HemicubeOptions;
+use hemicube_radiosity::patch::MAX_ELEMENTS;
 use hemicube_radiosity::{
     AdaptiveOptions, Grouping, PatchOptions, Quality, SolveOptions, SolverKind,
 };
@@ -115,12 +116,21 @@ impl Default for Refinement {
     }
 }
 
+/// What is out of range, as in a file that was damaged, means the usual.
 impl From<Refinement> for AdaptiveOptions {
     fn from(refinement: Refinement) -> Self {
+        let usual = Refinement::default();
+        let is_contrast = refinement.contrast > 0.0 && refinement.contrast < 1.0;
         Self {
-            contrast: refinement.contrast,
-            smallest: refinement.smallest,
-            most_elements: refinement.most_elements,
+            contrast: if is_contrast {
+                refinement.contrast
+            } else {
+                usual.contrast
+            },
+            smallest: refinement
+                .smallest
+                .filter(|smallest| smallest.is_finite() && *smallest > 0.0),
+            most_elements: refinement.most_elements.clamp(1, MAX_ELEMENTS),
         }
     }
 }
@@ -311,6 +321,33 @@ mod tests {
         assert_eq!(settings.solver(), None, "out of range");
         assert_eq!(settings.quality(), Quality::default(), "out of range");
         assert_eq!(settings.tolerance, 1e-4, "missing");
+    }
+
+    #[test]
+    fn a_refinement_is_kept_and_a_damaged_one_is_the_usual() {
+        let refinement = Refinement {
+            contrast: 0.05,
+            smallest: Some(0.02),
+            most_elements: 7000,
+        };
+        let settings = Settings::default().with_refinement(refinement);
+        let json = serde_json::to_string(&settings).expect("it has a text");
+        let again: Settings = serde_json::from_str(&json).expect("it was written so");
+        assert_eq!(again, settings, "{json}");
+        let wanted = AdaptiveOptions::default()
+            .with_contrast(0.05)
+            .with_smallest(0.02)
+            .with_most_elements(7000);
+        assert_eq!(settings.solve_options().adaptive, Some(wanted), "as set");
+        assert!(!settings.wants_other_mesh(&Settings::default()), "not yet");
+        let damaged = Refinement {
+            contrast: f32::NAN,
+            smallest: Some(-1.0),
+            most_elements: 0,
+        };
+        let options = AdaptiveOptions::from(damaged);
+        options.check().expect("it is in range");
+        assert_eq!(options.contrast, Refinement::default().contrast, "usual");
     }
 
     #[test]
