@@ -7,6 +7,7 @@
 
 use crate::buffer::empty;
 use crate::context::Context;
+pub(super) use hemicube_shaders::memory::{CLOCK_BYTES, STEPS_UNDER_WAY as UNDER_WAY};
 use std::time::{Duration, Instant};
 use wgpu::{
     Buffer, BufferUsages, CommandEncoder, ComputePassTimestampWrites, Features, QuerySet, QueryType,
@@ -15,14 +16,8 @@ use wgpu::{
 /// Most hemicubes of a step.
 pub(super) const MOST_HEMICUBES: u32 = 32;
 
-/// Most steps that are under way at a time.
-pub(super) const UNDER_WAY: usize = 2;
-
 /// A step of one hemicube that takes so many times as long as it may is alone under way.
 const TOO_LONG: f64 = 1.5;
-
-/// Bytes that the device's clock adds to a step: two readings.
-pub(super) const CLOCK_BYTES: u64 = 16;
 
 /// How long steps may be, and how many hemicubes they have therefore.
 #[derive(Debug)]
