@@ -9,13 +9,10 @@ use hemicube_gpu::Context;
 use hemicube_radiosity::export::lit_glb;
 use hemicube_radiosity::{MaterialEdit, Quality, SolverKind};
 use hemicube_viewer::Viewer;
-use hemicube_viewer::session::{
-    Command, FactorsBy, LaneView, Phase, Session, Settings, Snapshot, Source, Status, Watch,
-};
+use hemicube_viewer::session::{Command, FactorsBy, LaneView, Phase, Settings, Watch};
 use sessions::{opened, wait as wait_for};
 use shared::{Window, finish, has_adapter, wait};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 /// In software a hemicube takes long, so a rough light is enough.
 fn settings() -> Settings {
