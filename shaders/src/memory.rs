@@ -5,6 +5,12 @@
 use crate::hemicube as h;
 use crate::shooting as s;
 
+/// Most steps of a solver on the device that are under way at a time; each is read from a buffer of its own.
+pub const STEPS_UNDER_WAY: usize = 2;
+
+/// Bytes that the device's clock adds to a step: two readings.
+pub const CLOCK_BYTES: u64 = 16;
+
 /// Distance of two sets of parameters that are chosen by dynamic offsets: the most that an adapter may ask for.
 pub const STRIDE: u32 = 256;
 /// Bytes of the arguments of an indexed draw call.
@@ -161,13 +167,13 @@ impl SceneSize {
             bytes_of::<s::ShotView>() * hemicubes,
             // State and light are read by the CPU.
             bytes_of::<s::ShotState>(),
-            bytes_of::<s::ShotState>() + of_step,
             4 * patches,
             light,
             light,
         ];
+        let to_read = bytes_of::<s::ShotState>() + of_step + CLOCK_BYTES;
         let own: u64 = buffers.into_iter().map(buffer).sum();
-        self.geometry() + self.batch(1) + own
+        self.geometry() + self.batch(1) + own + STEPS_UNDER_WAY as u64 * buffer(to_read)
     }
 }
 

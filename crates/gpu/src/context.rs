@@ -349,6 +349,9 @@ impl Context {
 
     /// Waits until a submission is done; what others have submitted after it may go on.
     ///
+    /// While somebody waits, wgpu 30 presents no window of the device. Waiting for a short time again and again is no way
+    /// out: a wait that ends early panics in wgpu if another thread polls just then.
+    ///
     /// # Errors
     /// The device was lost or its memory ran out.
     pub fn wait_for(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {

@@ -30,7 +30,7 @@
 //! # Current state
 //! Nothing here panics because of a device: what it cannot do is a [`GpuError`], and the CPU goes on when it is lost. What
 //! a solver that keeps its light on the device had not yet brought to the CPU is then lost, too. Several threads may work on
-//! one device: a window draws from a solver's light ([`GpuShooting::light`]) while that goes on, and waits behind one of its
+//! one device: a window draws from a solver's light ([`GpuShooting::light`]) while that goes on, and waits behind two of its
 //! steps at most ([`GpuShooting::with_step_time`]). Where panes let light through, the CPU casts the rays.
 //!
 //! Rays are cast by the adapter's ray queries where it has circuits for them, else by a tree that a shader walks;

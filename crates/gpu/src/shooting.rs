@@ -7,6 +7,7 @@
 
 mod device;
 mod light;
+mod pace;
 
 pub use light::{ChannelFlux, DeviceLight};
 
@@ -19,13 +20,11 @@ use device::OnDevice;
 use hemicube_radiosity::form_factor::hemicube::{Hemicube, HemicubeOptions};
 use hemicube_radiosity::{Progress, Solution, Solver};
 use hemicube_shaders::shooting as twins;
+use pace::{MOST_HEMICUBES, Pace, UNDER_WAY};
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use wgpu::CommandEncoder;
-
-/// Hemicubes of a submission unless something else is asked for: enough that waiting for the device between submissions
-/// costs nothing, few enough that somebody who waits for the next one does not notice.
-const HEMICUBES_PER_STEP: u32 = 32;
+use wgpu::{CommandEncoder, SubmissionIndex};
 
 /// Sorted shooting on the GPU.
 ///
@@ -35,11 +34,14 @@ pub struct GpuShooting {
     context: Arc<Context>,
     solution: Solution,
     hemicubes_per_step: u32,
-    /// How long a step may take, if that matters.
-    step_time: Option<Duration>,
+    /// What decides on the hemicubes of a step where it matters how long that takes.
+    pace: Option<Pace>,
+    /// Steps that were submitted and not read, in their order.
+    under_way: VecDeque<UnderWay>,
     /// No patch begins to shoot after so many.
     most_shots: u32,
     submissions: u64,
+    hemicubes: u64,
     /// Bytes that came to the CPU after steps, and with light.
     step_bytes: u64,
     light_bytes: u64,
@@ -60,6 +62,18 @@ pub struct GpuShooting {
     device: OnDevice,
 }
 
+/// A submission that was not read.
+struct UnderWay {
+    submission: SubmissionIndex,
+    submitted: Instant,
+    hemicubes: u32,
+    /// Which of the buffers to read it fills, and how far.
+    place: usize,
+    bytes: u64,
+    /// Elements whose light comes with it.
+    watched: Vec<u32>,
+}
+
 impl GpuShooting {
     /// Goes on from a solution; a new one starts with the light of its emitters.
     ///
@@ -76,10 +90,14 @@ impl GpuShooting {
         let mut solver = Self {
             emitted: solution.reference_flux(),
             steps_before: solution.provenance.steps,
-            hemicubes_per_step: HEMICUBES_PER_STEP,
-            step_time: None,
+            // Enough that waiting for the device between submissions costs nothing, few enough that somebody who waits
+            // for the next one does not notice.
+            hemicubes_per_step: MOST_HEMICUBES,
+            pace: None,
+            under_way: VecDeque::new(),
             most_shots: u32::MAX,
             submissions: 0,
+            hemicubes: 0,
             step_bytes: 0,
             light_bytes: 0,
             watched: Vec::new(),
@@ -94,6 +112,7 @@ impl GpuShooting {
             device,
         };
         solver.submit(0)?;
+        solver.read_all()?;
         Ok(solver)
     }
 
@@ -105,12 +124,12 @@ impl GpuShooting {
         }
     }
 
-    /// As many hemicubes in a step as fit into so much time on the clock, at least one and at most 32: for windows that
-    /// draw on the same device, whose pictures wait behind a step. The first step has one.
+    /// As many hemicubes in a step as fit into so much time of the device, at least one and at most 32: for windows that
+    /// draw on the same device, whose pictures wait behind a step. The first step has one. Where steps are that short the
+    /// device has one while the one before is read, whose progress it then is; [`Solver::settle`] waits for both.
     pub fn with_step_time(self, step_time: Duration) -> Self {
         Self {
-            hemicubes_per_step: 1,
-            step_time: Some(step_time),
+            pace: Some(Pace::new(&self.context, step_time)),
             ..self
         }
     }
@@ -174,7 +193,7 @@ impl GpuShooting {
         self.is_ahead
     }
 
-    /// Bytes that came to the CPU after steps: progress, sums, and what is watched.
+    /// Bytes that come to the CPU after steps: progress, sums, what is watched, the device's clock. Steps under way count.
     pub fn step_bytes(&self) -> u64 {
         self.step_bytes
     }
@@ -189,6 +208,11 @@ impl GpuShooting {
         self.submissions
     }
 
+    /// Hemicubes so far, those included that are still to be drawn.
+    pub fn hemicubes(&self) -> u64 {
+        self.hemicubes
+    }
+
     /// Patches that have begun to shoot.
     pub fn shots(&self) -> u64 {
         self.state.shots.into()
@@ -199,31 +223,70 @@ impl GpuShooting {
         self.device.bytes()
     }
 
-    /// Submits so many hemicubes and reads the state after them.
+    /// Submits so many hemicubes, and what is to come to the CPU after them.
     fn submit(&mut self, hemicubes: u32) -> Result<(), GpuError> {
         self.context.check()?;
         let mut encoder = self.encoder("shooting");
-        self.device.rounds(&mut encoder, hemicubes);
-        let bytes = self.device.copy_step(&mut encoder, &self.watched);
-        let submission = self.context.queue.submit([encoder.finish()]);
-        let words = read(&self.context, &self.device.read_step, bytes, submission)?;
-        self.take_step(&words);
+        let clock = self.pace.as_ref().and_then(|pace| pace.clock.as_ref());
+        self.device.rounds(&mut encoder, hemicubes, clock);
+        let place = usize::try_from(self.submissions).unwrap_or(0) % UNDER_WAY;
+        let mut bytes = self.device.copy_step(&mut encoder, &self.watched, place);
+        if let Some(clock) = clock {
+            bytes += clock.copy(&mut encoder, &self.device.read_steps[place], bytes);
+        }
+        self.under_way.push_back(UnderWay {
+            submission: self.context.queue.submit([encoder.finish()]),
+            submitted: Instant::now(),
+            hemicubes,
+            place,
+            bytes,
+            watched: self.watched.clone(),
+        });
         self.step_bytes += bytes;
         self.submissions += 1;
+        self.hemicubes += u64::from(hemicubes);
         Ok(())
     }
 
-    /// Takes over what came after a step.
-    fn take_step(&mut self, words: &[u32]) {
+    /// Waits for the first step that is under way, and reads what came after it.
+    fn read_first(&mut self) -> Result<(), GpuError> {
+        let Some(step) = self.under_way.pop_front() else {
+            return Ok(());
+        };
+        let buffer = &self.device.read_steps[step.place];
+        let words = read(&self.context, buffer, step.bytes, step.submission)?;
+        let clock = self.take_step(&words, &step.watched);
+        if let Some(pace) = &mut self.pace {
+            pace.note(step.hemicubes, step.submitted, clock);
+        }
+        Ok(())
+    }
+
+    /// Waits for all that is under way.
+    fn read_all(&mut self) -> Result<(), GpuError> {
+        while !self.under_way.is_empty() {
+            self.read_first()?;
+        }
+        Ok(())
+    }
+
+    /// Takes over what came after a step; returns how long that took by the device's clock.
+    fn take_step(&mut self, words: &[u32], watched: &[u32]) -> Option<Duration> {
         let (state, rest) = words.split_at(size_of::<twins::ShotState>() / 4);
         self.state = *bytemuck::from_bytes(bytemuck::cast_slice(state));
         let channels = self.device.params.channels as usize;
         let numbers: &[f32] = bytemuck::cast_slice(rest);
-        let (of_channels, of_watched) = numbers.split_at(channels * twins::CHANNEL_WORDS as usize);
+        let (of_channels, numbers) = numbers.split_at(channels * twins::CHANNEL_WORDS as usize);
         let of_channels = of_channels.chunks(twins::CHANNEL_WORDS as usize);
         self.fluxes = of_channels.map(ChannelFlux::of_words).collect();
-        self.seen = of_watched.chunks(channels).map(<[f32]>::to_vec).collect();
+        let (of_watched, times) = numbers.split_at(watched.len() * channels);
+        // Others may be watched by now.
+        if watched == self.watched {
+            self.seen = of_watched.chunks(channels).map(<[f32]>::to_vec).collect();
+        }
         self.solution.provenance.steps = self.steps_before + u64::from(self.state.shots);
+        let clock = self.pace.as_ref()?.clock.as_ref()?;
+        clock.between(bytemuck::cast_slice(times))
     }
 
     fn encoder(&self, label: &str) -> CommandEncoder {
@@ -243,20 +306,26 @@ impl GpuShooting {
     fn shoot(&mut self) -> Result<(), GpuError> {
         self.bound(self.most_shots);
         self.is_ahead = true;
-        let begin = Instant::now();
-        self.submit(self.hemicubes_per_step)?;
-        if let Some(wanted) = self.step_time {
-            self.hemicubes_per_step = paced(self.hemicubes_per_step, begin.elapsed(), wanted);
+        let Some(pace) = &self.pace else {
+            self.submit(self.hemicubes_per_step)?;
+            return self.read_all();
+        };
+        let keeps = pace.keeps;
+        self.submit(pace.hemicubes)?;
+        while self.under_way.len() > keeps {
+            self.read_first()?;
         }
         Ok(())
     }
 
     /// The patch that shoots ends its shot, so that all light is either unshot or has arrived.
     fn end_shot(&mut self) -> Result<(), GpuError> {
+        self.read_all()?;
         let rest = self.state.views.saturating_sub(self.state.view + 1);
         if rest > 0 {
             self.bound(0);
             self.submit(rest)?;
+            self.read_all()?;
         }
         Ok(())
     }
@@ -347,41 +416,5 @@ impl Solver for GpuShooting {
     fn into_solution(mut self) -> Solution {
         self.settle();
         self.solution
-    }
-}
-
-/// Hemicubes of the next step, if so many took so long and a step is to take `wanted`. It grows to twice as many at most:
-/// one step may have been quick because others left the device alone.
-fn paced(hemicubes: u32, took: Duration, wanted: Duration) -> u32 {
-    let fits = wanted.as_secs_f64() / took.as_secs_f64().max(1e-6);
-    let next = f64::from(hemicubes) * fits.min(2.0);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 1 and 32"
-    )]
-    let next = next.clamp(1.0, f64::from(HEMICUBES_PER_STEP)) as u32;
-    next
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn steps_become_as_long_as_they_may_be() {
-        let after = |each: f64, wanted: f64| {
-            let mut hemicubes = 1;
-            for _ in 0..20 {
-                let took = Duration::from_secs_f64(each * f64::from(hemicubes));
-                hemicubes = paced(hemicubes, took, Duration::from_secs_f64(wanted));
-            }
-            hemicubes
-        };
-        assert_eq!(after(1e-3, 8e-3), 8, "as many as fit");
-        assert_eq!(after(1e-5, 8e-3), HEMICUBES_PER_STEP, "no more than that");
-        assert_eq!(after(1.0, 8e-3), 1, "one at least");
-        let quick = paced(4, Duration::ZERO, Duration::from_millis(8));
-        assert_eq!(quick, 8, "twice as many at most");
     }
 }

@@ -100,16 +100,7 @@ fn rays_of_ray_queries_arrive_where_those_of_the_tree_do() {
         (scene("office"), 3000, false),
         (scene("theatre"), 4000, false),
     ] {
-        let mesh = PatchOptions::default()
-            .with_elements(elements)
-            .with_patches(elements / 4);
-        let mesh = Arc::new(PatchMesh::build(Arc::new(scene), mesh).expect("a mesh"));
-        let options = RayCastOptions {
-            rays: 2048,
-            strategy: Strategy::Shots,
-            seed: 3,
-            shot_rays: None,
-        };
+        let (mesh, options) = (meshed(scene, elements, elements / 4), shots());
         let mut absorbed = 0.0;
         let [a, b] = [&queries, &tree].map(|context| {
             GpuRayCast::new(context.clone(), mesh.clone(), options).expect("factors")
@@ -154,8 +145,7 @@ fn trees_over_the_limits_are_refused_in_words() {
     let mut low = Arc::into_inner(context).expect("nobody else has it");
     low.limits.max_blas_primitive_count = 100;
     let scene = builtin::scene("cornell").expect("a built-in scene");
-    let mesh = PatchOptions::default().with_elements(600).with_patches(100);
-    let mesh = Arc::new(PatchMesh::build(Arc::new(scene), mesh).expect("a mesh"));
+    let mesh = meshed(scene, 600, 100);
     let refused = GpuRayCast::new(Arc::new(low), mesh, RayCastOptions::default());
     let told = refused.expect_err("it is too large").to_string();
     for part in ["triangles", "100", "the CPU"] {
@@ -163,19 +153,26 @@ fn trees_over_the_limits_are_refused_in_words() {
     }
 }
 
+fn meshed(scene: Scene, elements: usize, patches: usize) -> Arc<PatchMesh> {
+    let options = PatchOptions::default()
+        .with_elements(elements)
+        .with_patches(patches);
+    Arc::new(PatchMesh::build(Arc::new(scene), options).expect("a mesh"))
+}
+
+fn shots() -> RayCastOptions {
+    RayCastOptions {
+        rays: 2048,
+        strategy: Strategy::Shots,
+        seed: 3,
+        shot_rays: None,
+    }
+}
+
 fn compare_with_the_cpu(context: &Arc<Context>) {
     for (scene, elements) in [("cornell", 600), ("office", 3000)] {
         let scene = builtin::scene(scene).expect("a built-in scene");
-        let mesh = PatchOptions::default()
-            .with_elements(elements)
-            .with_patches(elements / 4);
-        let mesh = Arc::new(PatchMesh::build(Arc::new(scene), mesh).expect("a mesh"));
-        let options = RayCastOptions {
-            rays: 2048,
-            strategy: Strategy::Shots,
-            seed: 3,
-            shot_rays: None,
-        };
+        let (mesh, options) = (meshed(scene, elements, elements / 4), shots());
         let cpu = RayCast::new(mesh.clone(), options);
         let gpu = GpuRayCast::new(context.clone(), mesh.clone(), options).expect("factors");
         let (mut a, mut b, mut again) = (Row::default(), Row::default(), Row::default());

@@ -12,6 +12,7 @@ use hemicube_radiosity::{Grouping, SolveOptions, Solver, unlit};
 use hemicube_scene::builtin;
 use light::assert_alike;
 use std::sync::Arc;
+use std::time::Duration;
 
 #[test]
 fn light_is_that_of_the_cpu_and_none_is_lost() {
@@ -152,6 +153,28 @@ fn light_is_the_same_however_many_hemicubes_a_step_has() {
         solver.into_solution()
     };
     let (a, b) = (solved(1, 12), solved(6, 2));
+    for channel in 0..3 * a.groups().len() {
+        let [a, b] = [&a, &b].map(|s| s.irradiance(channel / 3, channel % 3));
+        assert!(a == b, "the same bits in channel {channel}");
+    }
+}
+
+#[test]
+fn steps_that_overlap_bring_the_same_light() {
+    let Some(context) = context() else { return };
+    let mut paced = office(context.clone()).with_step_time(Duration::from_secs(1));
+    paced.watch([7]);
+    for _ in 0..5 {
+        paced.step();
+    }
+    // A step has up to twice as many as the one before.
+    let hemicubes = u32::try_from(paced.hemicubes()).expect("a few");
+    assert!((5..=31).contains(&hemicubes), "{hemicubes}");
+    assert!(paced.watched().count() == 1, "a step was read");
+    let mut whole = office(context).with_hemicubes_per_step(hemicubes);
+    whole.step();
+    let [a, b] = [paced, whole].map(GpuShooting::into_solution);
+    assert_eq!(a.provenance.steps, b.provenance.steps, "shots");
     for channel in 0..3 * a.groups().len() {
         let [a, b] = [&a, &b].map(|s| s.irradiance(channel / 3, channel % 3));
         assert!(a == b, "the same bits in channel {channel}");

@@ -224,6 +224,9 @@ impl eframe::App for Viewer {
         // Sizes that were asked for are those of one scene.
         let mut prefs = self.desk.prefs.clone();
         prefs.settings.mesh = None;
+        if let Some(refinement) = &mut prefs.settings.refinement {
+            refinement.smallest = None;
+        }
         if let Ok(text) = serde_json::to_string(&prefs) {
             storage.set_string(PREFS, text);
         }

@@ -18,7 +18,9 @@
 //! eye moves and frames are late. Window and solvers share one device: light that sorted shooting keeps there is drawn from
 //! its own buffers ([`draw`]) and comes to the CPU when the solver rests, when a file or a grid wants it, and before an edit;
 //! until then the error against the finished light is not known. If the device is lost, the CPU goes on from the light that
-//! came last. The first picture of a kind (false colours, wireframe) makes its pipelines while the window waits. The window lets
+//! came last. A refined mesh ([`session::Refinement`]) is shown when all of it is there; its light is found by the
+//! processor, also where the solver's device had found it before, and can be cancelled. It gets no coarser until one restarts.
+//! The first picture of a kind (false colours, wireframe) makes its pipelines while the window waits. The window lets
 //! the solver's threads wait on Linux only. Bumps are lit as if by a uniform sky. Lights without an area and the sky are one source and cannot be edited. An edit
 //! copies scene and mesh, which is felt from a million elements on. Gathering starts again after an edit. Reading a file
 //! cannot be interrupted; it is dropped when it is done. Screen readers are not served.

@@ -1,5 +1,6 @@
 //! Light that a solver keeps on the device of the window.
 
+mod sessions;
 mod shared;
 
 use egui::Key;
@@ -8,12 +9,10 @@ use hemicube_gpu::Context;
 use hemicube_radiosity::export::lit_glb;
 use hemicube_radiosity::{MaterialEdit, Quality, SolverKind};
 use hemicube_viewer::Viewer;
-use hemicube_viewer::session::{
-    Command, FactorsBy, LaneView, Phase, Session, Settings, Snapshot, Source, Status, Watch,
-};
+use hemicube_viewer::session::{Command, FactorsBy, LaneView, Phase, Settings, Watch};
+use sessions::{opened, wait as wait_for};
 use shared::{Window, finish, has_adapter, wait};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 /// In software a hemicube takes long, so a rough light is enough.
 fn settings() -> Settings {
@@ -28,24 +27,6 @@ fn context() -> Option<Arc<Context>> {
     context.map(|context| Arc::new(context.expect("there is an adapter")))
 }
 
-fn wait_for(
-    session: &Session,
-    what: &str,
-    wanted: impl Fn(&Snapshot, &Status) -> bool,
-) -> Arc<Snapshot> {
-    let begin = Instant::now();
-    loop {
-        let status = session.status();
-        let snapshot = session.snapshot().filter(|snap| wanted(snap, &status));
-        if let Some(snapshot) = snapshot {
-            return snapshot;
-        }
-        let time = begin.elapsed();
-        assert!(time < Duration::from_secs(90), "{what}: {status:?}");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-}
-
 /// Whether it is on its way on a device, and has not come from there.
 fn is_away(lane: &LaneView) -> bool {
     !lane.has_light()
@@ -58,9 +39,7 @@ fn is_away(lane: &LaneView) -> bool {
 #[test]
 fn nothing_but_progress_comes_back_until_light_is_asked_for() {
     let Some(context) = context() else { return };
-    let session = Session::start(settings());
-    session.solve_on(context.clone());
-    session.send(Command::Open(Source::Named(String::from("cornell"))));
+    let session = opened(settings(), "cornell", Some(context.clone()));
     let away = wait_for(&session, "it solves", |snapshot, _| {
         is_away(&snapshot.lanes[0])
     });
@@ -69,9 +48,13 @@ fn nothing_but_progress_comes_back_until_light_is_asked_for() {
     assert!(device.light.is_on(&context), "of the window");
     assert_eq!(device.light_bytes, 0, "no light has come");
     let groups = lane.solution.groups().len() as u64;
-    // State, seven words a channel; one more time when the solver was made.
-    let of_step = 32 + 4 * 3 * groups * 7;
-    assert_eq!(device.step_bytes, (device.steps + 1) * of_step, "progress");
+    // State, seven words a channel, two readings of a clock; when the solver was made one more without a clock.
+    let features = context.device.features();
+    let has_clock = features.contains(wgpu::Features::TIMESTAMP_QUERY);
+    let [of_step, clock] = [32 + 4 * 3 * groups * 7, 16 * u64::from(has_clock)];
+    let wanted = (device.steps + 1) * of_step + device.steps * clock;
+    assert_eq!(device.step_bytes, wanted, "progress");
+    assert!(device.hemicubes >= device.steps, "at least one in a step");
     assert!(lane.received(0) > 0.0, "light falls on surfaces");
     let is_dark = lane.solution.irradiance(0, 0).iter().all(|&h| h == 0.0);
     assert!(is_dark, "and none of it is known here");
@@ -120,9 +103,11 @@ fn nothing_but_progress_comes_back_until_light_is_asked_for() {
 #[test]
 fn the_estimate_of_light_to_come_is_that_of_the_solution() {
     let Some(context) = context() else { return };
-    let session = Session::start(settings().with_solver(SolverKind::AmbientShooting));
-    session.solve_on(context);
-    session.send(Command::Open(Source::Named(String::from("cornell"))));
+    let session = opened(
+        settings().with_solver(SolverKind::AmbientShooting),
+        "cornell",
+        Some(context),
+    );
     let last = wait_for(&session, "it finishes", |snapshot, status| {
         status.phase == Phase::Finished && snapshot.lanes[0].is_finished
     });
@@ -140,9 +125,7 @@ fn the_estimate_of_light_to_come_is_that_of_the_solution() {
 #[test]
 fn the_cpu_takes_over_when_the_device_is_lost() {
     let Some(context) = context() else { return };
-    let session = Session::start(settings());
-    session.solve_on(context.clone());
-    session.send(Command::Open(Source::Named(String::from("cornell"))));
+    let session = opened(settings(), "cornell", Some(context.clone()));
     wait_for(&session, "it solves", |snapshot, _| {
         is_away(&snapshot.lanes[0])
     });
@@ -274,9 +257,7 @@ fn files_wait_for_light_that_a_device_keeps() {
 #[test]
 fn an_edit_goes_on_from_the_light_on_the_device() {
     let Some(context) = context() else { return };
-    let session = Session::start(settings());
-    session.solve_on(context);
-    session.send(Command::Open(Source::Named(String::from("cornell"))));
+    let session = opened(settings(), "cornell", Some(context));
     let before = wait_for(&session, "it solves", |snapshot, _| {
         is_away(&snapshot.lanes[0])
     });

@@ -1,47 +1,22 @@
 //! The solver's thread: opening, stepping, editing, changing its ways, without a window.
 
+mod sessions;
+
 use hemicube_radiosity::{MaterialEdit, PatchMesh, Quality, SolverKind, solve};
 use hemicube_raster::Rgb;
 use hemicube_scene::builtin;
 use hemicube_viewer::session::{
-    Command, FactorsBy, Phase, Session, Settings, Snapshot, Source, Status, VARIANTS, Watch,
+    Command, FactorsBy, Phase, Refinement, Session, Settings, Snapshot, Source, Status, VARIANTS,
+    Watch,
 };
+use sessions::{opened, wait};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 fn draft() -> Settings {
     Settings::default()
         .with_quality(Quality::Draft)
         .with_tolerance(1e-3)
-}
-
-fn opened(settings: Settings, scene: &str) -> Session {
-    let session = Session::start(settings);
-    session.send(Command::Open(Source::Named(scene.to_owned())));
-    session
-}
-
-/// The first snapshot and status that are as wanted.
-fn wait(
-    session: &Session,
-    what: &str,
-    wanted: impl Fn(&Snapshot, &Status) -> bool,
-) -> Arc<Snapshot> {
-    let begin = Instant::now();
-    loop {
-        let status = session.status();
-        if let Some(snapshot) = session
-            .snapshot()
-            .filter(|snapshot| wanted(snapshot, &status))
-        {
-            return snapshot;
-        }
-        assert!(
-            begin.elapsed() < Duration::from_secs(90),
-            "{what}: {status:?}"
-        );
-        std::thread::sleep(Duration::from_millis(2));
-    }
 }
 
 fn finished(session: &Session) -> Arc<Snapshot> {
@@ -57,7 +32,7 @@ fn material(mesh: &PatchMesh, name: &str) -> usize {
 
 #[test]
 fn light_arrives_until_it_is_found() {
-    let session = opened(draft(), "cornell");
+    let session = opened(draft(), "cornell", None);
     let first = wait(&session, "it opens", |_, _| true);
     let last = finished(&session);
     assert!(last.serial > first.serial, "more than one picture");
@@ -79,7 +54,7 @@ fn light_arrives_until_it_is_found() {
 
 #[test]
 fn a_step_is_one_step() {
-    let session = opened(draft(), "cornell");
+    let session = opened(draft(), "cornell", None);
     session.send(Command::Pause);
     wait(&session, "it opens", |_, _| true);
     session.send(Command::Pause);
@@ -108,7 +83,7 @@ fn a_step_is_one_step() {
 #[test]
 fn an_edit_ends_where_solving_the_edited_scene_does() {
     let settings = draft();
-    let session = opened(settings, "cornell");
+    let session = opened(settings, "cornell", None);
     let before = finished(&session);
     let lamp = material(before.mesh(), "light");
     let red = material(before.mesh(), "red");
@@ -146,7 +121,7 @@ fn an_edit_ends_where_solving_the_edited_scene_does() {
 
 #[test]
 fn what_starts_to_emit_has_a_source_of_its_own() {
-    let session = opened(draft(), "cornell");
+    let session = opened(draft(), "cornell", None);
     let before = finished(&session);
     let green = material(before.mesh(), "green");
     assert_eq!(before.source_of_material[green], None, "it is dark");
@@ -168,7 +143,7 @@ fn what_starts_to_emit_has_a_source_of_its_own() {
 
 #[test]
 fn another_way_goes_on_from_the_light_that_there_is() {
-    let session = opened(draft(), "cornell");
+    let session = opened(draft(), "cornell", None);
     let shot = wait(&session, "half of it is shot", |snapshot, _| {
         snapshot.lanes[0].progress.unshot < 0.3
     });
@@ -206,7 +181,7 @@ fn a_gpu_goes_on_where_the_cpu_was() {
     }
     // In software a hemicube takes long, so a rough light is enough.
     let rough = draft().with_tolerance(0.4);
-    let session = opened(rough.with_tolerance(0.6), "cornell");
+    let session = opened(rough.with_tolerance(0.6), "cornell", None);
     let shot = finished(&session);
     session.send(Command::Configure(rough.with_factors(FactorsBy::Gpu)));
     let on_gpu = wait(&session, "the GPU finishes", |snapshot, status| {
@@ -229,7 +204,7 @@ fn a_gpu_goes_on_where_the_cpu_was() {
 
 #[test]
 fn four_variants_take_the_same_steps() {
-    let session = opened(draft().with_side_by_side(true), "cornell");
+    let session = opened(draft().with_side_by_side(true), "cornell", None);
     let snapshot = wait(&session, "they run", |snapshot, _| {
         snapshot.lanes.len() == 4 && snapshot.lanes[0].progress.iteration >= 40
     });
@@ -271,7 +246,7 @@ fn four_variants_take_the_same_steps() {
 
 #[test]
 fn the_error_is_known_once_the_light_is() {
-    let session = opened(draft(), "cornell");
+    let session = opened(draft(), "cornell", None);
     finished(&session);
     session.send(Command::Restart);
     session.send(Command::Configure(
@@ -295,7 +270,7 @@ fn the_error_is_known_once_the_light_is() {
 
 #[test]
 fn figures_come_when_they_are_asked_for() {
-    let session = opened(draft(), "cornell");
+    let session = opened(draft(), "cornell", None);
     session.send(Command::Watch(Watch {
         hemicube: true,
         row_of: Some(3),
@@ -320,7 +295,7 @@ fn figures_come_when_they_are_asked_for() {
 
 #[test]
 fn what_cannot_be_opened_leaves_the_light_that_there_is() {
-    let session = opened(draft(), "cornell");
+    let session = opened(draft(), "cornell", None);
     finished(&session);
     for (name, says) in [
         ("no-such-scene.glb", "no-such-scene.glb"),
@@ -348,7 +323,7 @@ fn what_cannot_be_opened_leaves_the_light_that_there_is() {
 
 #[test]
 fn a_cancelled_scene_does_not_come() {
-    let session = opened(draft(), "cornell");
+    let session = opened(draft(), "cornell", None);
     let before = finished(&session);
     session.send(Command::Open(Source::Named(String::from("office"))));
     session.send(Command::Cancel);
@@ -360,7 +335,7 @@ fn a_cancelled_scene_does_not_come() {
 
 #[test]
 fn a_finer_mesh_starts_anew_and_keeps_edits() {
-    let session = opened(draft(), "cornell");
+    let session = opened(draft(), "cornell", None);
     let before = finished(&session);
     let lamp = material(before.mesh(), "light");
     session.send(Command::Edit(
@@ -388,7 +363,7 @@ fn a_finer_mesh_starts_anew_and_keeps_edits() {
 
 #[test]
 fn an_edit_that_cannot_be_is_refused_in_words() {
-    let session = opened(draft(), "cornell");
+    let session = opened(draft(), "cornell", None);
     finished(&session);
     let before = session.snapshot().expect("there is light");
     let edit = MaterialEdit::new(999).with_emission(Rgb::WHITE);
@@ -401,4 +376,99 @@ fn an_edit_that_cannot_be_is_refused_in_words() {
     });
     let after = session.snapshot().expect("there is light");
     assert_eq!(after.geometry, before.geometry, "the light stays");
+}
+
+/// Refined until neighbours differ by less than usual, which takes one round on so coarse a mesh.
+fn refining() -> Refinement {
+    Refinement {
+        contrast: 0.3,
+        most_elements: 3000,
+        ..Refinement::default()
+    }
+}
+
+#[test]
+fn the_mesh_is_refined_once_the_light_is_found() {
+    let session = opened(draft(), "cornell", None);
+    let before = finished(&session);
+    session.send(Command::Refine(Some(refining())));
+    let after = wait(&session, "it is refined", |snapshot, status| {
+        snapshot.geometry != before.geometry
+            && snapshot.lanes[0].is_finished
+            && status.phase == Phase::Finished
+    });
+    let lane = &after.lanes[0];
+    let elements = |snapshot: &Snapshot| snapshot.mesh().elements().len();
+    let (coarse, fine) = (elements(&before), elements(&after));
+    assert!(fine > coarse && fine <= 3000, "{coarse} {fine}");
+    let patches = |snapshot: &Snapshot| snapshot.mesh().patches().len();
+    assert_eq!(patches(&after), patches(&before), "they stay");
+    assert!(lane.progress.unshot <= 1e-3, "{:?}", lane.progress);
+    assert!(session.status().opening.is_none(), "it is here");
+    for band in 0..3 {
+        // What new elements receive is estimated by rays of their own.
+        let [old, new] = [&before, &after].map(|snapshot| {
+            let solution = &snapshot.lanes[0].solution;
+            let mesh = solution.mesh();
+            let light = solution.irradiance(0, band).iter().enumerate();
+            let flux = light.map(|(e, &h)| f64::from(h) * f64::from(mesh.exposed_area(e)));
+            flux.sum::<f64>()
+        });
+        assert!((new / old - 1.0).abs() < 0.02, "{old} {new}");
+    }
+    let moments = |snapshot: &Snapshot| snapshot.lanes[0].history.moments().len();
+    assert!(moments(&after) >= moments(&before), "its history goes on");
+
+    // An edit goes on on the finer mesh; a restart goes back to the first.
+    let lamp = material(after.mesh(), "light");
+    let emission = after.mesh().scene().materials[lamp].emission * 0.5;
+    session.send(Command::Refine(None));
+    session.send(Command::Edit(
+        MaterialEdit::new(lamp).with_emission(emission),
+    ));
+    let edited = wait(&session, "it is edited", |snapshot, status| {
+        snapshot.mesh().scene().materials[lamp].emission == emission
+            && snapshot.lanes[0].is_finished
+            && status.phase == Phase::Finished
+    });
+    assert_eq!(edited.geometry, after.geometry, "of the finer mesh");
+    session.send(Command::Restart);
+    let again = wait(&session, "it starts again", |snapshot, _| {
+        snapshot.geometry != after.geometry
+    });
+    assert_eq!(elements(&again), coarse, "on the first mesh");
+    let materials = &again.mesh().scene().materials;
+    assert_eq!(materials[lamp].emission, emission, "as edited");
+    finished(&session);
+    assert_eq!(session.status().error, None, "nothing went wrong");
+}
+
+#[test]
+fn a_cancelled_refinement_does_not_come_and_an_edit_makes_it_void() {
+    let session = opened(draft(), "cornell", None);
+    let before = finished(&session);
+    let fine = Refinement {
+        contrast: 0.02,
+        ..refining()
+    };
+    session.send(Command::Refine(Some(fine)));
+    wait(&session, "it is on its way", |_, status| {
+        status.opening.is_some()
+    });
+    session.send(Command::Cancel);
+    wait(&session, "it is not", |_, status| status.opening.is_none());
+    std::thread::sleep(Duration::from_millis(300));
+    let after = session.snapshot().expect("the light stays");
+    assert_eq!(after.geometry, before.geometry, "of the first mesh");
+    assert!(session.status().opening.is_none(), "and is not tried again");
+    let lamp = material(before.mesh(), "light");
+    let emission = before.mesh().scene().materials[lamp].emission * 2.0;
+    session.send(Command::Edit(
+        MaterialEdit::new(lamp).with_emission(emission),
+    ));
+    let refined = wait(&session, "the edited light is refined", |snapshot, _| {
+        snapshot.geometry != before.geometry
+    });
+    let lit = &refined.mesh().scene().materials[lamp];
+    assert_eq!(lit.emission, emission, "as edited");
 }

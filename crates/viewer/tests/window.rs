@@ -7,7 +7,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use hemicube_radiosity::{Quality, SolverKind};
 use hemicube_viewer::desk::{Answer, Desk, Pick};
 use hemicube_viewer::display::Quantity;
-use hemicube_viewer::session::{FactorsBy, Phase, Settings, VARIANTS};
+use hemicube_viewer::session::{FactorsBy, Phase, Refinement, Settings, VARIANTS};
 use hemicube_viewer::walk::EyeMode;
 use hemicube_viewer::{ViewOptions, Viewer};
 use std::path::{Path, PathBuf};
@@ -291,6 +291,39 @@ fn variants_run_side_by_side() {
     let snapshot = of(&window).snapshot.clone().expect("there is light");
     let kinds: Vec<SolverKind> = snapshot.lanes.iter().map(|lane| lane.kind).collect();
     assert_eq!(kinds, VARIANTS, "the figure's four");
+}
+
+#[test]
+fn the_mesh_is_refined_when_the_panel_says_so() {
+    let mut window = finished("cornell");
+    let elements = |desk: &Desk| {
+        let snapshot = desk.snapshot.as_ref();
+        snapshot.map_or(0, |snapshot| snapshot.mesh().elements().len())
+    };
+    let (coarse, eye) = (elements(of(&window)), of(&window).eye);
+    let desk = change(&mut window);
+    let rough = Refinement {
+        contrast: 0.4,
+        most_elements: 2000,
+        ..Refinement::default()
+    };
+    desk.configure(desk.prefs.settings.with_refinement(rough));
+    wait(&mut window, "it is refined", |desk| elements(desk) > coarse);
+    assert_eq!(of(&window).eye, eye, "nobody moved");
+    window.get_by_label("Contrast");
+    window.get_by_label("Refine where light varies").click();
+    window.run_steps(3);
+    let settings = of(&window).prefs.settings;
+    assert_eq!(settings.refinement, None, "no more");
+    assert!(
+        window.query_by_label("Contrast").is_none(),
+        "nothing to set"
+    );
+    window.get_by_label("Refine where light varies").click();
+    window.run_steps(3);
+    let settings = of(&window).prefs.settings;
+    let usual = Some(Refinement::default());
+    assert_eq!(settings.refinement, usual, "as usual");
 }
 
 #[test]

@@ -3,13 +3,19 @@
 use crate::buffer::{bind, compute, empty, filled, groups, layout, module, storage, uniform};
 use crate::context::Context;
 use crate::error::GpuError;
-use crate::hemicube::{Batch, Geometry, HemicubePass, compute_pass, count};
+use crate::hemicube::{Batch, Geometry, HemicubePass, count};
+use crate::shooting::pace::{CLOCK_BYTES, Clock, UNDER_WAY};
 use hemicube_radiosity::Solution;
 use hemicube_radiosity::form_factor::FormFactors;
-use hemicube_radiosity::form_factor::hemicube::Hemicube;
+use hemicube_radiosity::form_factor::hemicube::{Hemicube, Viewpoint};
+use hemicube_radiosity::patch::NodeId;
 use hemicube_radiosity::solution::BANDS;
 use hemicube_shaders::shooting as twins;
-use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, ShaderStages};
+use rayon::prelude::*;
+use wgpu::{
+    BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePassTimestampWrites, ComputePipeline,
+    ShaderStages,
+};
 
 /// What lies on the device.
 pub(super) struct OnDevice {
@@ -26,8 +32,8 @@ pub(super) struct OnDevice {
     seen: BindGroup,
     pub(super) state: Buffer,
     pub(super) light: Buffer,
-    /// State, the channels' words, and the light of watched elements.
-    pub(super) read_step: Buffer,
+    /// State, the channels' words, the light of watched elements, and the times of a step, of one step each.
+    pub(super) read_steps: [Buffer; UNDER_WAY],
     pub(super) read_light: Buffer,
     /// Of the buffers that shooting itself needs.
     bytes: u64,
@@ -68,7 +74,7 @@ impl OnDevice {
         let to_read = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
         let state_bytes = size_of::<twins::ShotState>() as u64;
         let of_channel = twins::CHANNEL_WORDS + twins::MOST_WATCHED;
-        let step_bytes = state_bytes + 4 * u64::from(params.channels * of_channel);
+        let step_bytes = state_bytes + 4 * u64::from(params.channels * of_channel) + CLOCK_BYTES;
         let light = filled(device, "light", &start, storage_from);
         let state = empty(device, "shooting state", state_bytes, storage_from);
         let buffers = [
@@ -115,7 +121,8 @@ impl OnDevice {
             tally: pipeline("tally"),
             shooting: bind(device, "shooting", &shooting_layout, &bindings),
             seen: bind(device, "seen", &seen_layout, &seen),
-            read_step: empty(device, "step to read", step_bytes, to_read),
+            read_steps: [(); UNDER_WAY]
+                .map(|()| empty(device, "step to read", step_bytes, to_read)),
             read_light: empty(device, "light to read", light.size(), to_read),
             bytes: buffers.iter().map(Buffer::size).sum(),
             hemicube,
@@ -126,13 +133,27 @@ impl OnDevice {
             light,
         };
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        on_device.run(&mut encoder, &on_device.measure, groups(params.patches, 64));
+        on_device.run(
+            &mut encoder,
+            &on_device.measure,
+            groups(params.patches, 64),
+            None,
+        );
         context.queue.submit([encoder.finish()]);
         Ok(on_device)
     }
 
-    fn run(&self, encoder: &mut CommandEncoder, pipeline: &ComputePipeline, (x, z): (u32, u32)) {
-        let mut pass = compute_pass(encoder, "shooting");
+    fn run(
+        &self,
+        encoder: &mut CommandEncoder,
+        pipeline: &ComputePipeline,
+        (x, z): (u32, u32),
+        timestamp_writes: Option<ComputePassTimestampWrites<'_>>,
+    ) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("shooting"),
+            timestamp_writes,
+        });
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.shooting, &[]);
         pass.set_bind_group(1, &self.seen, &[]);
@@ -140,27 +161,37 @@ impl OnDevice {
     }
 
     /// So many hemicubes, one after the other, and what is left after them.
-    pub(super) fn rounds(&self, encoder: &mut CommandEncoder, hemicubes: u32) {
-        for _ in 0..hemicubes {
-            self.run(encoder, &self.choose, (1, 1));
+    pub(super) fn rounds(
+        &self,
+        encoder: &mut CommandEncoder,
+        hemicubes: u32,
+        clock: Option<&Clock>,
+    ) {
+        for round in 0..hemicubes {
+            let begin = clock.filter(|_| round == 0).map(Clock::at_begin);
+            self.run(encoder, &self.choose, (1, 1), begin);
             self.hemicube
                 .encode(encoder, &self.geometry, &self.batch, 1, None);
-            self.run(
-                encoder,
-                &self.spread,
-                groups(self.params.elements.max(self.params.channels), 64),
-            );
-            self.run(encoder, &self.measure, groups(self.params.patches, 64));
+            let receivers = self.params.elements.max(self.params.channels);
+            self.run(encoder, &self.spread, groups(receivers, 64), None);
+            let patches = groups(self.params.patches, 64);
+            self.run(encoder, &self.measure, patches, None);
         }
-        self.run(encoder, &self.survey, (1, 1));
-        self.run(encoder, &self.tally, groups(self.params.channels, 1));
+        self.run(encoder, &self.survey, (1, 1), None);
+        let channels = groups(self.params.channels, 1);
+        self.run(encoder, &self.tally, channels, clock.map(Clock::at_end));
     }
 
-    /// Copies what comes to the CPU after every step; returns its bytes.
-    pub(super) fn copy_step(&self, encoder: &mut CommandEncoder, watched: &[u32]) -> u64 {
+    /// Copies what comes to the CPU after every step to one of the places for that; returns its bytes.
+    pub(super) fn copy_step(
+        &self,
+        encoder: &mut CommandEncoder,
+        watched: &[u32],
+        place: usize,
+    ) -> u64 {
         let mut end = 0;
         let mut copy = |from: &Buffer, at: u64, bytes: u64| {
-            encoder.copy_buffer_to_buffer(from, at, &self.read_step, end, bytes);
+            encoder.copy_buffer_to_buffer(from, at, &self.read_steps[place], end, bytes);
             end += bytes;
         };
         copy(&self.state, 0, size_of::<twins::ShotState>() as u64);
@@ -183,7 +214,8 @@ impl OnDevice {
     }
 
     pub(super) fn bytes(&self) -> u64 {
-        let own = self.bytes + self.read_step.size() + self.read_light.size();
+        let to_read: u64 = self.read_steps.iter().map(Buffer::size).sum();
+        let own = self.bytes + to_read + self.read_light.size();
         own + self.geometry.bytes() + self.batch.bytes()
     }
 }
@@ -221,25 +253,41 @@ fn elements(solution: &Solution) -> Vec<twins::ElementLight> {
 /// Patches, and where the hemicubes of all of them stand.
 fn patches(cpu: &Hemicube) -> (Vec<twins::ShootingPatch>, Vec<twins::ShotView>) {
     let mesh = cpu.mesh();
-    let (mut patches, mut all) = (Vec::new(), Vec::new());
-    for (p, &id) in mesh.patches().iter().enumerate() {
+    let of_patches: Vec<Vec<twins::ShotView>> = mesh
+        .patches()
+        .par_iter()
+        .map(|&id| views(cpu, id))
+        .collect();
+    let mut first_view = 0;
+    let patch = |(p, (&id, views)): (usize, (&NodeId, &Vec<twins::ShotView>))| {
         let elements = mesh.elements_of_patch(p);
-        let first_view = count(all.len());
-        #[expect(clippy::cast_possible_truncation, reason = "weights are kept in f32")]
-        all.extend(cpu.viewpoints(id).iter().map(|view| twins::ShotView {
-            origin: view.origin.to_array(),
-            weight: view.weight as f32,
-            tangent: view.axes[0].to_array(),
-            least_near: mesh.visibility().offset(view.origin),
-        }));
-        patches.push(twins::ShootingPatch {
+        let patch = twins::ShootingPatch {
             first_element: count(elements.start),
             elements: count(elements.len()),
             first_view,
-            views: count(all.len()) - first_view,
+            views: count(views.len()),
             normal: mesh.node(id).normal.to_array(),
             padding: 0,
-        });
-    }
-    (patches, all)
+        };
+        first_view += patch.views;
+        patch
+    };
+    let patches = mesh.patches().iter().zip(&of_patches).enumerate();
+    (patches.map(patch).collect(), of_patches.concat())
+}
+
+/// Where the hemicubes of a patch stand.
+fn views(cpu: &Hemicube, patch: NodeId) -> Vec<twins::ShotView> {
+    let visibility = cpu.mesh().visibility();
+    let view = |view: &Viewpoint| {
+        #[expect(clippy::cast_possible_truncation, reason = "weights are kept in f32")]
+        let weight = view.weight as f32;
+        twins::ShotView {
+            origin: view.origin.to_array(),
+            weight,
+            tangent: view.axes[0].to_array(),
+            least_near: visibility.offset(view.origin),
+        }
+    };
+    cpu.viewpoints(patch).iter().map(view).collect()
 }

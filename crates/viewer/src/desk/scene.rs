@@ -185,9 +185,12 @@ impl Desk {
 
     /// Other ways to the light.
     pub fn configure(&mut self, settings: Settings) {
-        if settings != self.prefs.settings {
-            self.prefs.settings = settings;
+        let before = core::mem::replace(&mut self.prefs.settings, settings);
+        if before.with_refinement(settings.refinement) != settings {
             self.session.send(Command::Configure(settings));
+        } else if before != settings {
+            // Solvers may go on as they are.
+            self.session.send(Command::Refine(settings.refinement));
         }
     }
 

@@ -71,7 +71,7 @@ fn known_scenes(ui: &mut Ui, desk: &mut Desk) {
     }
 }
 
-/// A scene that is on its way, with a way to stop it.
+/// A scene or a mesh that is on its way, with a way to stop it.
 pub fn opening(ui: &mut Ui, desk: &mut Desk) {
     let Some(opening) = desk.status.opening.clone() else {
         return;
@@ -90,7 +90,7 @@ pub fn opening(ui: &mut Ui, desk: &mut Desk) {
             ui.horizontal(|ui| {
                 clock(ui, seconds);
                 ui.vertical(|ui| {
-                    ui.label(RichText::new(format!("Opening {}", opening.name)).strong());
+                    ui.label(RichText::new(format!("{} {}", opening.what, opening.name)).strong());
                     ui.label(format!("{}, {seconds:.0} s", opening.stage));
                 });
                 if ui.button("Cancel").clicked() {

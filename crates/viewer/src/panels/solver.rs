@@ -5,10 +5,14 @@ use crate::format::{number, share, thousands};
 use crate::panels::plot::{Curve, plot};
 use crate::panels::toolbar::solver_label;
 use crate::panels::{fact, row, section};
-use crate::session::{LaneView, Moment, Snapshot};
+use crate::session::{LaneView, Moment, Settings, Snapshot};
 use crate::theme::LINES;
-use egui::{ComboBox, RichText, Ui};
+use egui::{ComboBox, DragValue, RichText, Slider, Ui};
+use hemicube_radiosity::patch::MAX_ELEMENTS;
 use hemicube_radiosity::{Quality, SolverKind};
+
+/// Smallest edge that is offered first.
+const SMALLEST: f32 = 0.1;
 
 pub fn show(ui: &mut Ui, desk: &mut Desk) {
     section(ui, "Solver", true, |ui| {
@@ -37,10 +41,46 @@ fn settings(ui: &mut Ui, desk: &mut Desk) {
     });
     ui.checkbox(&mut settings.side_by_side, "Four variants side by side")
         .on_hover_text("Gathering, shooting, sorted, sorted + ambient: from the same start, with the same number of steps");
+    refinement(ui, &mut settings);
     if let Some(quality) = quality.filter(|_| quality != before) {
         settings = settings.with_quality(quality);
     }
     desk.configure(settings);
+}
+
+/// Where the mesh becomes finer once the light is found.
+fn refinement(ui: &mut Ui, settings: &mut Settings) {
+    let mut is_wanted = settings.refinement.is_some();
+    let switch = egui::Checkbox::new(&mut is_wanted, "Refine where light varies");
+    ui.add_enabled(!settings.side_by_side, switch)
+        .on_hover_text("Once the light is found, elements with more contrast are cut; restart to have the first mesh again");
+    let known = settings.refinement.unwrap_or_default();
+    settings.refinement = is_wanted.then_some(known);
+    let Some(refinement) = &mut settings.refinement else {
+        return;
+    };
+    row(ui, "Contrast", |ui| {
+        let contrast = Slider::new(&mut refinement.contrast, 0.02..=0.5).max_decimals(2);
+        ui.add(contrast)
+            .on_hover_text("Largest difference of light over an element, as a share of the light")
+    });
+    row(ui, "Smallest", |ui| {
+        let mut is_auto = refinement.smallest.is_none();
+        ui.checkbox(&mut is_auto, "auto")
+            .on_hover_text("Edges down to a sixteenth of the longest one are cut");
+        refinement.smallest = (!is_auto).then_some(refinement.smallest.unwrap_or(SMALLEST));
+        if let Some(smallest) = &mut refinement.smallest {
+            let field = DragValue::new(smallest).range(1e-4..=1e4).speed(0.01);
+            ui.add(field)
+                .on_hover_text("In units of the scene; shorter edges are not cut");
+        }
+    });
+    row(ui, "At most", |ui| {
+        let most = DragValue::new(&mut refinement.most_elements);
+        let most = most.range(1..=MAX_ELEMENTS).speed(1000).suffix(" elements");
+        ui.add(most)
+            .on_hover_text("If more are wanted, those with the largest error are cut")
+    });
 }
 
 fn lanes(ui: &mut Ui, desk: &Desk) {

@@ -1,6 +1,6 @@
 //! What the window asks of the worker.
 
-use crate::session::Settings;
+use crate::session::{Refinement, Settings};
 use hemicube_radiosity::{MaterialEdit, Solution};
 use hemicube_scene::{Scene, SceneOptions};
 use std::sync::Arc;
@@ -22,6 +22,8 @@ pub enum Command {
     Restart,
     /// Other ways to the light; goes on from the one that there is where the mesh stays.
     Configure(Settings),
+    /// Whether the mesh is refined once the light is found, and how. It gets no coarser.
+    Refine(Option<Refinement>),
     /// Another material; only the difference is shot.
     Edit(MaterialEdit),
     /// What else is shown.
@@ -32,6 +34,8 @@ pub enum Command {
     Bring(u64),
     /// Scene or light are here; from the loader.
     Loaded(u64, Result<Box<Solution>, String>),
+    /// A refined mesh and its light are here; from the loader.
+    Refined(u64, Result<Box<Solution>, String>),
     /// The end.
     Quit,
 }
@@ -46,6 +50,7 @@ impl Command {
                 | Self::Step
                 | Self::Watch(_)
                 | Self::Bring(_)
+                | Self::Refine(_)
                 | Self::Cancel
                 | Self::Open(_)
         )

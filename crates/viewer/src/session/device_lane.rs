@@ -12,7 +12,8 @@ use hemicube_raster::Rgb;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How long a step may keep the device from drawing the window: half a frame of a usual display.
+/// How long a step may keep the device from drawing the window: half a frame of a usual display. Up to two of them lie
+/// between two frames.
 const STEP_TIME: Duration = Duration::from_millis(8);
 
 /// A solver on a device, and what is known here of its light.
@@ -76,6 +77,7 @@ impl DeviceLane {
             fluxes: self.solver.fluxes().to_vec(),
             watched: watched.map(|(e, light)| (e, light.to_vec())).collect(),
             steps: self.steps,
+            hemicubes: self.solver.hemicubes(),
             step_bytes: self.solver.step_bytes(),
             light_bytes: self.solver.light_bytes(),
         }

@@ -74,7 +74,7 @@ impl Inbox {
 
 /// Whether `new` leaves nothing of `old`. Steps are counted, each of them.
 fn makes_void(new: &Command, old: &Command) -> bool {
-    use Command::{Bring, Cancel, Configure, Open, Pause, Quit, Restart, Run, Watch};
+    use Command::{Bring, Cancel, Configure, Open, Pause, Quit, Refine, Restart, Run, Watch};
     matches!(
         (new, old),
         (Quit, _)
@@ -82,7 +82,8 @@ fn makes_void(new: &Command, old: &Command) -> bool {
             | (Cancel, Open(_) | Cancel)
             | (Run | Pause, Run | Pause)
             | (Restart, Restart)
-            | (Configure(_), Configure(_))
+            | (Configure(_), Configure(_) | Refine(_))
+            | (Refine(_), Refine(_))
             | (Watch(_), Watch(_))
             | (Bring(_), Bring(_))
     )

@@ -1,10 +1,12 @@
-//! Opening a scene beside everything else: reading, meshing, first light.
+//! What takes long, beside everything else: opening a scene (reading, meshing, first light), refining a mesh.
 
+use crate::format::thousands;
 use crate::session::snapshot::Opening;
-use crate::session::{Board, Command, Inbox, Settings, Source, waited_for_pool};
+use crate::session::{Board, Command, Inbox, Settings, Source, background_pool, waited_for_pool};
 use hemicube_radiosity::export::lit_glb;
-use hemicube_radiosity::{RadiosityError, Solution, unlit};
+use hemicube_radiosity::{RadiosityError, Solution, SolveOptions, resume_until, unlit};
 use hemicube_scene::{Scene, open, open_bytes};
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,11 +15,14 @@ use std::time::Instant;
 /// Largest file that is read.
 const MAX_BYTES: u64 = 2 << 30;
 
-/// Opens scenes, each on a thread of its own; a newer one makes the older ones void.
+/// Opens scenes and refines meshes, each on a thread of its own; a newer one makes the older ones void.
 pub(super) struct Loader {
     inbox: Arc<Inbox>,
     board: Arc<Board>,
     newest: Arc<AtomicU64>,
+    /// Whether something is on its way, and whether it is a refined mesh.
+    is_busy: bool,
+    refines: bool,
 }
 
 impl Loader {
@@ -26,6 +31,8 @@ impl Loader {
             inbox,
             board,
             newest: Arc::default(),
+            is_busy: false,
+            refines: false,
         }
     }
 
@@ -34,39 +41,71 @@ impl Loader {
         self.newest.load(Ordering::Acquire) == ticket
     }
 
+    /// Whether something is on its way.
+    pub(super) fn is_busy(&self) -> bool {
+        self.is_busy
+    }
+
     /// Makes void what is on its way.
-    pub(super) fn cancel(&self) {
+    pub(super) fn cancel(&mut self) {
         self.newest.fetch_add(1, Ordering::AcqRel);
+        (self.is_busy, self.refines) = (false, false);
         self.board.set_status(|status| status.opening = None);
     }
 
+    /// Makes void what is on its way if that is a refined mesh.
+    pub(super) fn cancel_refinement(&mut self) {
+        if self.refines {
+            self.cancel();
+        }
+    }
+
     /// Starts to open a scene; [`Command::Loaded`] tells when it is there.
-    pub(super) fn open(&self, source: Source, settings: Settings) {
+    pub(super) fn open(&mut self, source: Source, settings: Settings) {
+        let name = match &source {
+            Source::Named(name) | Source::Adjusted(name, _) => name.clone(),
+            Source::Scene(scene) => scene.name.clone(),
+        };
+        let work = move |job: &Job| job.open(source, settings);
+        self.start("Opening", name, work, Command::Loaded);
+    }
+
+    /// Starts to refine the mesh of a light that was found; [`Command::Refined`] tells when it is there.
+    pub(super) fn refine(&mut self, solution: Arc<Solution>, settings: Settings) {
+        let mesh = solution.mesh();
+        let options = SolveOptions {
+            solver: settings.solver_for(mesh.elements().len()),
+            ..settings.solve_options()
+        };
+        let name = mesh.scene().name.clone();
+        let work = move |job: &Job| job.refine(&solution, &options);
+        self.start("Refining", name, work, Command::Refined);
+        self.refines = true;
+    }
+
+    fn start(
+        &mut self,
+        what: &'static str,
+        name: String,
+        work: impl FnOnce(&Job) -> Result<Solution, String> + Send + 'static,
+        tell: fn(u64, Result<Box<Solution>, String>) -> Command,
+    ) {
         self.cancel();
-        let ticket = self.newest.load(Ordering::Acquire);
+        self.is_busy = true;
         let job = Job {
-            ticket,
+            ticket: self.newest.load(Ordering::Acquire),
             newest: self.newest.clone(),
             board: self.board.clone(),
             since: Instant::now(),
-            name: match &source {
-                Source::Named(name) | Source::Adjusted(name, _) => name.clone(),
-                Source::Scene(scene) => scene.name.clone(),
-            },
+            what,
+            name,
         };
         let inbox = self.inbox.clone();
         let work = move || {
-            let opened = std::panic::catch_unwind(core::panic::AssertUnwindSafe(|| {
-                job.open(source, settings)
-            }));
-            let result = opened.unwrap_or_else(|_| {
-                Err(format!(
-                    "{}: the program broke while it was opened; please report it with the file",
-                    job.name
-                ))
-            });
+            let done = std::panic::catch_unwind(core::panic::AssertUnwindSafe(|| work(&job)));
+            let result = done.unwrap_or_else(|_| Err(job.broke()));
             if job.is_wanted() {
-                inbox.send(Command::Loaded(ticket, result.map(Box::new)));
+                inbox.send(tell(job.ticket, result.map(Box::new)));
             }
         };
         std::thread::Builder::new()
@@ -76,12 +115,13 @@ impl Loader {
     }
 }
 
-/// One scene on its way.
+/// One scene or mesh on its way.
 struct Job {
     ticket: u64,
     newest: Arc<AtomicU64>,
     board: Arc<Board>,
     since: Instant,
+    what: &'static str,
     name: String,
 }
 
@@ -90,11 +130,18 @@ impl Job {
         self.newest.load(Ordering::Acquire) == self.ticket
     }
 
-    fn at(&self, stage: &'static str) {
+    fn broke(&self) -> String {
+        let Self { what, name, .. } = self;
+        let what = what.to_lowercase();
+        format!("{name}: the program broke while {what} it; please report it with the file")
+    }
+
+    fn at(&self, stage: impl Into<Cow<'static, str>>) {
         if self.is_wanted() {
             let opening = Opening {
+                what: self.what,
                 name: self.name.clone(),
-                stage,
+                stage: stage.into(),
                 since: self.since,
             };
             self.board
@@ -131,6 +178,27 @@ impl Job {
             ),
             _ => error.to_string(),
         })
+    }
+}
+
+impl Job {
+    /// The light on a mesh that is finer where it varies. The processor works at it, which leaves the window's device to
+    /// the window.
+    fn refine(&self, solution: &Solution, options: &SolveOptions) -> Result<Solution, String> {
+        let stop = || !self.is_wanted();
+        let mut told = 0;
+        let mut tell = |light: &Solution| {
+            let elements = light.mesh().elements().len();
+            if elements != told {
+                told = elements;
+                self.at(format!("{} elements", thousands(elements as f64)));
+            }
+            self.is_wanted()
+        };
+        self.at("looking for contrast");
+        let refined = || resume_until(solution.clone(), options, &stop, |_, light| tell(light));
+        let refined = background_pool().install(refined);
+        refined.map_err(|error| error.to_string())
     }
 }
 

@@ -10,6 +10,7 @@ mod device_lane;
 mod figures;
 mod history;
 mod inbox;
+mod job;
 mod lane;
 mod loader;
 mod mixer;
@@ -21,7 +22,7 @@ pub use command::{Command, Source, Watch};
 pub use history::{History, Moment};
 pub use inbox::Inbox;
 pub use mixer::{Mix, MixGroup, MixSource, Mixer};
-pub use settings::{Asked, FactorsBy, MeshSizes, Settings, VARIANTS};
+pub use settings::{Asked, FactorsBy, MeshSizes, Refinement, Settings, VARIANTS};
 pub use snapshot::{HemicubePicture, LaneView, OnDevice, PatchRow, Phase, Snapshot, Status};
 
 use hemicube_gpu::Context;

@@ -2,7 +2,10 @@
 
 use hemicube_radiosity::form_factor::FormFactorKind;
 use hemicube_radiosity::form_factor::hemicube::HemicubeOptions;
-use hemicube_radiosity::{Grouping, PatchOptions, Quality, SolveOptions, SolverKind};
+use hemicube_radiosity::patch::MAX_ELEMENTS;
+use hemicube_radiosity::{
+    AdaptiveOptions, Grouping, PatchOptions, Quality, SolveOptions, SolverKind,
+};
 use serde::{Deserialize, Serialize};
 
 /// The four ways of the textbook, in the order of its figure.
@@ -91,6 +94,47 @@ impl From<MeshSizes> for PatchOptions {
     }
 }
 
+/// Where elements are cut once the light on them is found, as [`AdaptiveOptions`] has it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Refinement {
+    /// Largest contrast of light over an element. Default value: 0.2.
+    pub contrast: f32,
+    /// Edges of at most this length are not cut. Default value: none, a sixteenth of the longest edge.
+    pub smallest: Option<f32>,
+    /// Most elements of a refined mesh. Default value: 100,000.
+    pub most_elements: usize,
+}
+
+impl Default for Refinement {
+    fn default() -> Self {
+        Self {
+            contrast: 0.2,
+            smallest: None,
+            most_elements: 100_000,
+        }
+    }
+}
+
+/// What is out of range, as in a file that was damaged, means the usual.
+impl From<Refinement> for AdaptiveOptions {
+    fn from(refinement: Refinement) -> Self {
+        let usual = Refinement::default();
+        let is_contrast = refinement.contrast > 0.0 && refinement.contrast < 1.0;
+        Self {
+            contrast: if is_contrast {
+                refinement.contrast
+            } else {
+                usual.contrast
+            },
+            smallest: refinement
+                .smallest
+                .filter(|smallest| smallest.is_finite() && *smallest > 0.0),
+            most_elements: refinement.most_elements.clamp(1, MAX_ELEMENTS),
+        }
+    }
+}
+
 /// How the light is found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -106,6 +150,8 @@ pub struct Settings {
     quality: usize,
     /// Another mesh than the preset's. Default value: none.
     pub mesh: Option<MeshSizes>,
+    /// Where the mesh is refined once the light is found; not while variants run side by side. Default value: nowhere.
+    pub refinement: Option<Refinement>,
     /// Unshot share of the emitted flux at which the light counts as found. Default value: 1e-4.
     pub tolerance: f64,
     /// Whether emitters are solved each on their own, so that they can be dimmed. Default value: yes.
@@ -120,6 +166,7 @@ impl Default for Settings {
             factors: FactorsBy::default(),
             quality: 1,
             mesh: None,
+            refinement: None,
             tolerance: 1e-4,
             by_source: true,
         }
@@ -151,6 +198,14 @@ impl Settings {
     pub fn with_mesh(self, mesh: MeshSizes) -> Self {
         Self {
             mesh: Some(mesh),
+            ..self
+        }
+    }
+
+    /// Where the mesh is refined once the light is found.
+    pub fn with_refinement(self, refinement: impl Into<Option<Refinement>>) -> Self {
+        Self {
+            refinement: refinement.into(),
             ..self
         }
     }
@@ -209,6 +264,7 @@ impl Settings {
         let preset = SolveOptions::from(self.quality());
         SolveOptions {
             mesh: self.mesh.map_or(preset.mesh, PatchOptions::from),
+            adaptive: self.refinement.map(AdaptiveOptions::from),
             form_factors: self.factors.kind(),
             solver: self.solver().unwrap_or_default(),
             tolerance: self.tolerance,
@@ -265,6 +321,33 @@ mod tests {
         assert_eq!(settings.solver(), None, "out of range");
         assert_eq!(settings.quality(), Quality::default(), "out of range");
         assert_eq!(settings.tolerance, 1e-4, "missing");
+    }
+
+    #[test]
+    fn a_refinement_is_kept_and_a_damaged_one_is_the_usual() {
+        let refinement = Refinement {
+            contrast: 0.05,
+            smallest: Some(0.02),
+            most_elements: 7000,
+        };
+        let settings = Settings::default().with_refinement(refinement);
+        let json = serde_json::to_string(&settings).expect("it has a text");
+        let again: Settings = serde_json::from_str(&json).expect("it was written so");
+        assert_eq!(again, settings, "{json}");
+        let wanted = AdaptiveOptions::default()
+            .with_contrast(0.05)
+            .with_smallest(0.02)
+            .with_most_elements(7000);
+        assert_eq!(settings.solve_options().adaptive, Some(wanted), "as set");
+        assert!(!settings.wants_other_mesh(&Settings::default()), "not yet");
+        let damaged = Refinement {
+            contrast: f32::NAN,
+            smallest: Some(-1.0),
+            most_elements: 0,
+        };
+        let options = AdaptiveOptions::from(damaged);
+        options.check().expect("it is in range");
+        assert_eq!(options.contrast, Refinement::default().contrast, "usual");
     }
 
     #[test]

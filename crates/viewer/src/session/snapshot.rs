@@ -6,6 +6,7 @@ use hemicube_radiosity::form_factor::hemicube::ItemBuffers;
 use hemicube_radiosity::solution::BANDS;
 use hemicube_radiosity::{PatchMesh, Progress, Solution, SolverKind};
 use hemicube_raster::Rgb;
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -106,6 +107,8 @@ pub struct OnDevice {
     pub watched: Vec<(usize, Vec<f32>)>,
     /// Steps so far: submissions of several hemicubes.
     pub steps: u64,
+    /// Hemicubes so far.
+    pub hemicubes: u64,
     /// Bytes that came here after steps.
     pub step_bytes: u64,
     /// Bytes that came here with all light.
@@ -168,7 +171,7 @@ pub struct Status {
     pub scene: String,
     /// What it was opened by: a path or a built-in name.
     pub source: Option<String>,
-    /// A scene that is on its way.
+    /// A scene or a finer mesh that is on its way.
     pub opening: Option<Opening>,
     /// What went wrong, in one line, until somebody has read it.
     pub error: Option<String>,
@@ -180,13 +183,15 @@ pub struct Status {
     pub steps_per_second: f64,
 }
 
-/// A scene that is on its way.
+/// A scene, or a finer mesh of the one that there is, that is on its way.
 #[derive(Debug, Clone)]
 pub struct Opening {
+    /// What is done to it: `Opening` or `Refining`.
+    pub what: &'static str,
     /// Its name.
     pub name: String,
     /// What is done right now.
-    pub stage: &'static str,
+    pub stage: Cow<'static, str>,
     /// Since when it is on its way.
     pub since: Instant,
 }

@@ -7,28 +7,26 @@
 //!     until a command wants them put away
 //!         obey commands that do not
 //!         step all lanes for a short while, or sleep if there is nothing to do
+//!         have the mesh refined if the light on it is found
 //!         show the light, as long as showing takes less than a fifth of the time
 //! ```
 
 use crate::session::figures::{Figures, Pace};
-use crate::session::lane::{Lane, LaneState, Tools};
+use crate::session::job::Job;
+use crate::session::lane::{Lane, Tools};
 use crate::session::loader::Loader;
 use crate::session::{
-    Board, Command, FactorsBy, History, Inbox, LaneView, Phase, Settings, Snapshot, Source, Watch,
+    Board, Command, FactorsBy, Inbox, LaneView, Phase, Settings, Snapshot, Source, Watch,
 };
 use hemicube_gpu::{Context, Gpu, GpuError};
 use hemicube_radiosity::backend::{Backend, Cpu};
-use hemicube_radiosity::form_factor::{Cached, FormFactors};
-use hemicube_radiosity::{
-    Grouping, MaterialEdit, RadiosityError, Solution, SolveOptions, SolverKind,
-};
+use hemicube_radiosity::form_factor::FormFactors;
+use hemicube_radiosity::{MaterialEdit, RadiosityError, Solution};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// How long solvers step before somebody looks at the inbox.
 const BURST: Duration = Duration::from_millis(15);
-/// Memory for rows of form factors.
-const ROW_BUDGET: usize = 256 << 20;
 
 /// The thread's state.
 pub(super) struct Worker {
@@ -49,17 +47,6 @@ pub(super) struct Worker {
     geometry: u64,
     /// What the scene that is on its way was asked for by.
     asked: Option<String>,
-}
-
-/// A scene and its light while no solver works on it.
-struct Job {
-    /// Before the first step.
-    start: Solution,
-    lanes: Vec<LaneState>,
-    factors: Option<(FactorsBy, Arc<dyn FormFactors>)>,
-    source_of_material: Arc<Vec<Option<usize>>>,
-    /// The light that all ways come to, once one has.
-    truth: Option<Arc<Solution>>,
 }
 
 enum Next {
@@ -136,6 +123,10 @@ impl Worker {
             }
             Command::Restart => self.restart(),
             Command::Configure(settings) => self.configure(settings),
+            Command::Refine(refinement) => {
+                self.loader.cancel_refinement();
+                self.settings.refinement = refinement;
+            }
             Command::Edit(edit) => self.edit(&edit),
             Command::Watch(watch) => self.watch = watch,
             Command::Bring(number) => self.asked_for_light = number,
@@ -143,7 +134,11 @@ impl Worker {
                 self.loader.cancel();
                 self.take_over(result);
             }
-            Command::Loaded(..) => {}
+            Command::Refined(ticket, result) if self.loader.is_newest(ticket) => {
+                self.loader.cancel();
+                self.take_refined(result);
+            }
+            Command::Loaded(..) | Command::Refined(..) => {}
             Command::Quit => return Next::End,
         }
         Next::GoOn
@@ -173,14 +168,30 @@ impl Worker {
         self.job = Some(Job::new(solution, &self.settings));
     }
 
+    /// The light is the same, its mesh is finer.
+    fn take_refined(&mut self, result: Result<Box<Solution>, String>) {
+        let refined = match result {
+            Ok(refined) => refined,
+            Err(why) => return self.fail(&why),
+        };
+        if let Some(job) = &mut self.job
+            && refined.mesh().elements().len() > job.elements()
+        {
+            self.geometry += 1;
+            job.refine(*refined);
+        }
+    }
+
     fn restart(&mut self) {
+        self.loader.cancel_refinement();
         if let Some(job) = &mut self.job {
-            job.lanes = lanes_at(&job.start, &self.settings);
+            self.geometry += u64::from(job.restart(&self.settings));
         }
         self.is_running = true;
     }
 
     fn configure(&mut self, settings: Settings) {
+        self.loader.cancel_refinement();
         let before = core::mem::replace(&mut self.settings, settings);
         let Some(job) = &mut self.job else { return };
         if settings.wants_other_mesh(&before) {
@@ -188,13 +199,15 @@ impl Worker {
             self.loader.open(Source::Scene(scene), settings);
         } else if settings.side_by_side || before.side_by_side {
             // Only from the same start the figure is fair.
-            job.lanes = lanes_at(&job.start, &settings);
+            self.geometry += u64::from(job.restart(&settings));
         } else {
             job.lanes[0].kind = settings.solver_for(job.elements());
+            job.refined = None;
         }
     }
 
     fn edit(&mut self, edit: &MaterialEdit) {
+        self.loader.cancel_refinement();
         let Some(job) = &mut self.job else { return };
         match job.edit(edit, self.settings.by_source) {
             Ok(()) => self.is_running = true,
@@ -288,6 +301,9 @@ impl Worker {
             if is_done && job.truth.is_none() && lanes.len() == 1 {
                 job.truth = Some(lanes[0].shown(true));
             }
+            if is_done {
+                self.refine(lanes, job);
+            }
             let goes_on = !is_done && (self.is_running || self.steps_wanted > 0);
             if goes_on {
                 self.set_phase(Phase::Solving);
@@ -307,6 +323,17 @@ impl Worker {
             if !self.inbox.is_full() {
                 self.inbox.wait();
             }
+        }
+    }
+
+    /// Has the mesh refined where the light that was found varies, if that is wanted and was not done.
+    fn refine(&mut self, lanes: &mut [Lane<'_>], job: &mut Job) {
+        let wanted = self.settings.refinement;
+        let is_wanted = wanted.is_some() && wanted != job.refined && self.is_running;
+        let [lane] = lanes else { return };
+        if is_wanted && !self.loader.is_busy() {
+            job.refined = wanted;
+            self.loader.refine(lane.shown(true), self.settings);
         }
     }
 
@@ -417,93 +444,4 @@ impl Board {
             self.set_status(|status| status.phase = phase);
         }
     }
-}
-
-impl Job {
-    fn new(solution: Solution, settings: &Settings) -> Self {
-        Self {
-            lanes: lanes_at(&solution, settings),
-            source_of_material: Arc::new(source_of_material(&solution)),
-            factors: None,
-            truth: None,
-            start: solution,
-        }
-    }
-
-    fn elements(&self) -> usize {
-        self.start.mesh().elements().len()
-    }
-
-    /// Form factors of the mesh; what an edit changes leaves them as they are.
-    fn factors(
-        &mut self,
-        by: FactorsBy,
-        backend: &dyn Backend,
-        options: &SolveOptions,
-    ) -> Result<Arc<dyn FormFactors>, RadiosityError> {
-        if let Some((known, factors)) = &self.factors
-            && *known == by
-        {
-            return Ok(factors.clone());
-        }
-        let made = backend.form_factors(self.start.mesh().clone(), options)?;
-        let factors: Arc<dyn FormFactors> = Arc::new(Cached::new(made, ROW_BUDGET));
-        self.factors = Some((by, factors.clone()));
-        Ok(factors)
-    }
-
-    /// Changes a material in the light of all lanes. What starts to emit gets a light group of its own.
-    fn edit(&mut self, edit: &MaterialEdit, by_source: bool) -> Result<(), RadiosityError> {
-        let mesh = Arc::new(self.start.mesh().edited(edit)?);
-        let material = &mesh.scene().materials[edit.material];
-        let mut sources = (*self.source_of_material).clone();
-        let is_new = sources[edit.material].is_none() && material.emits();
-        let is_alone = by_source && self.start.groups().len() > 1;
-        if is_new && is_alone {
-            let name = material.name.clone();
-            self.change(|solution| solution.with_dark_group(name.clone()).0);
-            sources[edit.material] = Some(self.start.groups().len() - 2);
-        }
-        let group = sources[edit.material].unwrap_or(self.start.groups().len() - 1);
-        self.change(|solution| solution.relit(mesh.clone(), |_| group));
-        self.source_of_material = Arc::new(sources);
-        self.truth = None;
-        Ok(())
-    }
-
-    fn change(&mut self, change: impl Fn(Solution) -> Solution) {
-        let all =
-            core::iter::once(&mut self.start).chain(self.lanes.iter_mut().map(|l| &mut l.solution));
-        for solution in all {
-            *solution = change(solution.clone());
-        }
-    }
-}
-
-fn lanes_at(start: &Solution, settings: &Settings) -> Vec<LaneState> {
-    let lane = |kind: SolverKind| LaneState {
-        kind,
-        solution: start.clone(),
-        history: History::default(),
-        seconds: 0.0,
-    };
-    let elements = start.mesh().elements().len();
-    settings.solvers(elements).into_iter().map(lane).collect()
-}
-
-/// The light group of each material, where materials have groups of their own.
-fn source_of_material(solution: &Solution) -> Vec<Option<usize>> {
-    let mesh = solution.mesh();
-    let (names, _) = Grouping::ByMaterial.groups(mesh);
-    let known = solution.groups().iter().map(|group| &group.name);
-    let is_by_material = names.len() > 1 && known.eq(&names);
-    let mut next = 0;
-    let mut of = |material: &hemicube_scene::Material| {
-        if !material.emits() {
-            return None;
-        }
-        next += 1;
-        Some(if is_by_material { next - 1 } else { 0 })
-    };
-    mesh.scene().materials.iter().map(&mut of).collect()
 }

@@ -15,7 +15,7 @@ mod report;
 
 use crate::desk::Desk;
 use crate::frames::FrameTimes;
-use crate::session::OnDevice;
+use crate::session::{OnDevice, Phase};
 use edits::Edits;
 use probe::Probe;
 use process::{cpu_by_threads, resident_memory};
@@ -69,6 +69,47 @@ struct Figures {
     /// Widths of their pixels added up.
     widths: u32,
     cpu: Cpu,
+    solving: Solving,
+}
+
+/// What the solver did meanwhile.
+#[derive(Debug, Clone, Copy, Default)]
+struct Solving {
+    /// How long it was at work.
+    time: Duration,
+    /// Its steps (of one that keeps its light on a device: hemicubes) when that began, and the last that was heard of.
+    steps: Option<[u64; 2]>,
+    are_hemicubes: bool,
+}
+
+impl Solving {
+    /// A frame took so long.
+    fn note(&mut self, desk: &Desk, frame: Duration) {
+        let Some(snapshot) = desk.snapshot.as_ref() else {
+            return;
+        };
+        let lane = &snapshot.lanes[0];
+        let device = lane.on_device.as_ref();
+        self.are_hemicubes = device.is_some();
+        let now = device.map_or(lane.progress.iteration, |device| device.hemicubes);
+        let [first, _] = self.steps.unwrap_or([now; 2]);
+        self.steps = Some([first, now]);
+        if desk.status.phase == Phase::Solving {
+            self.time += frame;
+        }
+    }
+
+    /// Steps a second while it was at work, and what they are.
+    fn rate(&self) -> Option<(f64, &'static str)> {
+        let [first, last] = self.steps?;
+        let steps = last.checked_sub(first).filter(|&steps| steps > 0)?;
+        let what = if self.are_hemicubes {
+            "hemicubes"
+        } else {
+            "steps"
+        };
+        Some((steps as f64 / self.time.as_secs_f64().max(1e-3), what))
+    }
 }
 
 impl Default for Figures {
@@ -78,6 +119,7 @@ impl Default for Figures {
             pictures: 0,
             widths: 0,
             cpu: Cpu::default(),
+            solving: Solving::default(),
         }
     }
 }
@@ -119,6 +161,7 @@ impl Trial {
             Some((last, then)) if then == part => {
                 if let Some(figures) = self.figures(part) {
                     figures.frames.push(now - last);
+                    figures.solving.note(desk, now - last);
                 }
             }
             other => self.change(other.map(|(_, then)| then), part),

@@ -97,6 +97,9 @@ fn part(f: &mut fmt::Formatter<'_>, name: &str, figures: &Figures) -> fmt::Resul
         "{:<19}{new:.1} new pictures a second, their pixels {width:.1} wide",
         ""
     )?;
+    if let Some((rate, what)) = figures.solving.rate() {
+        write!(f, "; {rate:.1} {what} of the solver a second")?;
+    }
     let count = frames.frames as f64;
     let threads = figures.cpu.threads.iter().take(6);
     let threads: Vec<String> = threads
