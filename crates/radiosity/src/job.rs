@@ -466,6 +466,7 @@ pub(crate) fn converge(
         .map(|steps| before.steps.saturating_add(steps));
     let mut name = backend.name(options);
     let mut noise = None;
+    let mut stages = before.stages;
     let mut go_on = |progress: &Progress, solution: &Solution| {
         // It is told every state, also one at which a limit ends the work.
         go_on(progress, solution)
@@ -507,6 +508,7 @@ pub(crate) fn converge(
             run(&mut solver, options.tolerance, go_on);
             let rays = solver.rays();
             noise = solver.known_noise();
+            stages = Some(stages.unwrap_or_default() + solver.stages());
             (solver.into_solution(), rays)
         }
         Way::Hierarchical => {
@@ -544,6 +546,7 @@ pub(crate) fn converge(
         rays: before.rays + rays,
         seconds: before.seconds + start.elapsed().as_secs_f64(),
         noise,
+        stages,
         ..solution.provenance
     };
     Ok(solution)

@@ -11,7 +11,7 @@ use crate::output::{Target, print, print_json};
 use crate::picture;
 use crate::report::{Report, peak_memory};
 use crate::solving::{Solved, Stop, Watch, percent};
-use hemicube::radiosity::export::lit_glb::{self, LitGlbOptions};
+use hemicube::radiosity::export::lit_glb::{LitGlb, LitGlbOptions};
 use hemicube::radiosity::solve::ambient_irradiance;
 use hemicube::radiosity::{Solution, SolverKind};
 use hemicube::raster::Rgb;
@@ -229,7 +229,8 @@ impl Targets {
                 ambient: ambient_for_display(solution),
                 report: report.to_json(),
             };
-            target.write(&lit_glb::write(solution, &options)?)?;
+            let file = LitGlb::new(solution, &options)?;
+            target.write_with(|out| file.write_to(out))?;
         }
         if let Some(target) = &self.image {
             let gpu = &args.solve.mesh.gpu;

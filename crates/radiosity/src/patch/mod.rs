@@ -209,7 +209,7 @@ impl PatchMesh {
             scene,
         };
         let stopped = RadiosityError::Stopped("while the mesh was built");
-        if mesh.grow(sizes, stop).is_none() {
+        if mesh.grow_to_count(sizes, stop).is_none() {
             return Err(stopped);
         }
         mesh.refuse_too_many(most)?;

@@ -35,11 +35,13 @@ mod receivers;
 mod shadow_rays;
 mod shoot;
 mod source;
+mod stages;
 mod strata;
 mod tally;
 mod view;
 
 pub use self::check::NoiseCheck;
+pub use self::stages::{Stage, Stages};
 
 use self::balance::Lost;
 use self::direct::Direct;
@@ -57,7 +59,7 @@ use crate::solution::{BANDS, Solution};
 use crate::solve::{Progress, Solver};
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// How the rays are spent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,26 +110,6 @@ enum Phase {
     Refine,
     Gather,
     Done,
-}
-
-/// What a stage of the work has cost so far.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Stage {
-    /// Rays that were cast.
-    pub rays: u64,
-    /// Time spent.
-    pub time: Duration,
-}
-
-/// What the stages have cost so far.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Stages {
-    /// Shadow rays to emitters.
-    pub direct: Stage,
-    /// Rays that shoot what is unshot.
-    pub spreading: Stage,
-    /// Rays that gather.
-    pub gathering: Stage,
 }
 
 /// Radiosity by rays alone.
@@ -244,12 +226,7 @@ impl Stochastic {
 
     /// Rays that were cast.
     pub fn rays(&self) -> u64 {
-        let Stages {
-            direct,
-            spreading,
-            gathering,
-        } = self.stages;
-        direct.rays + spreading.rays + gathering.rays
+        self.stages.rays()
     }
 
     /// Rays and time of each stage so far.
