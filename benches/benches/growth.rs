@@ -5,8 +5,7 @@
 //! Names behind `--` choose scenes.
 
 use hemicube::radiosity::{
-    PatchOptions, Quality, Solution, SolveOptions, Solver, SolverKind, Stochastic, resume,
-    unlit,
+    PatchOptions, Quality, Solution, SolveOptions, Solver, SolverKind, Stochastic, resume, unlit,
 };
 use hemicube::scene::{Scene, builtin};
 use hemicube_chart::{Chart, Curve, Scale};

@@ -127,13 +127,14 @@ impl SolverKind {
         }
     }
 
-    /// The best for a scene of so many faces, to be cut into about so many elements beyond those: sorted shooting as long
-    /// as its shots are few, rays beyond.
+    /// The best for a scene of so many faces, to be cut into about so many elements ([`PatchOptions`]): sorted shooting as
+    /// long as its shots are few, rays beyond.
     pub fn for_size(faces: usize, elements: usize) -> Self {
         /// Up to here shooting takes no more than half a minute on two cores (office 24 s, cornell 9 s), and its light is
         /// smooth. Rays to 3 % take a third of that here, and are faster in smaller scenes, too.
         const MANY: usize = 40_000;
-        if faces.saturating_add(elements) > MANY {
+        let least = faces.saturating_add(elements.min(faces / 3));
+        if least.max(elements) > MANY {
             Self::Stochastic
         } else {
             Self::AmbientShooting

@@ -9,7 +9,7 @@ use crate::interrupt;
 use crate::links;
 use crate::output::{Target, print, print_json};
 use crate::picture;
-use crate::report::{Report, peak_memory};
+use crate::report::{Report, grouped, peak_memory};
 use crate::solving::{Solved, Stop, Watch, percent};
 use hemicube::radiosity::export::lit_glb::{LitGlb, LitGlbOptions};
 use hemicube::radiosity::solve::ambient_irradiance;
@@ -39,6 +39,7 @@ pub fn run(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<(), F
         };
         print(&(report.text() + &wrote))?;
     }
+    tell_of_faces(args, &solved, global);
     tell_how_it_ended(args, &solved, global);
     if solved.stop == Stop::Interrupt && files.is_empty() {
         return Err(Failure::Interrupted);
@@ -136,6 +137,24 @@ fn refuse_changes(args: &SolveVerb, lit: &Path) -> Result<(), Failure> {
 
 fn is_same_file(a: &Path, b: &Path) -> bool {
     a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// Says why there are more elements than were asked for.
+fn tell_of_faces(args: &SolveVerb, solved: &Solved, global: GlobalArgs) {
+    let mesh = solved.solution.mesh();
+    let (made, sides) = (mesh.unrefined_elements(), mesh.lit_sides());
+    let Some(asked) = args.solve.mesh.elements.map(|asked| asked as usize) else {
+        return;
+    };
+    if made > asked + asked / 20 && 3 * asked < 4 * sides {
+        let [asked, made, sides] = [asked, made, sides].map(|n| grouped(n as u64));
+        note(
+            global,
+            &format!(
+                "{made} elements in place of {asked}: faces have {sides} lit sides, each at least one element"
+            ),
+        );
+    }
 }
 
 fn tell_how_it_ended(args: &SolveVerb, solved: &Solved, global: GlobalArgs) {

@@ -63,6 +63,11 @@ impl PatchMesh {
         }
         self.vertices = vertices.positions;
         self.list_cuts(sizes);
+        // Arrays that doubled hold up to twice what they need, and stay as long as the mesh.
+        self.vertices.shrink_to_fit();
+        self.nodes.shrink_to_fit();
+        self.elements.shrink_to_fit();
+        self.patch_of_element.shrink_to_fit();
         Some(())
     }
 

@@ -3,6 +3,7 @@
 //! A count becomes a size by bisection: cells are counted as the mesher would cut them, without making them. What joints
 //! and shadow lines add is not known before; it is taken from a first mesh, see [`Sizes::corrected`].
 
+use crate::cast::nearest;
 use crate::error::RadiosityError;
 use crate::patch::PatchOptions;
 use crate::patch::face::{WorldFace, newell_normal};
@@ -99,7 +100,7 @@ impl Sizes {
         // u + added √u = wanted
         let root = (added * added / 4.0 + wanted as f64).sqrt() - added / 2.0;
         let surfaces = Surfaces::new(scene, faces);
-        let (element, aim) = surfaces.element_size_of(wanted, whole(root * root));
+        let (element, aim) = surfaces.element_size_of(wanted, nearest(root * root));
         // Where the number of faces decides, or nothing comes nearer.
         let aim = aim.filter(|aim| aim.uncut != uncut)?;
         Some(surfaces.with_patches(element, Some(aim), options))
@@ -270,13 +271,4 @@ fn wanted_elements(options: PatchOptions) -> usize {
     let of_patches = |patches: usize| patches.saturating_mul(ELEMENTS_OF_PATCH);
     let elements = options.elements.or(options.patches.map(of_patches));
     elements.unwrap_or(DEFAULT_ELEMENTS)
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a number of elements"
-)]
-fn whole(x: f64) -> usize {
-    x.round() as usize
 }

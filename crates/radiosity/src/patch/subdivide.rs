@@ -6,6 +6,7 @@
 //! faces. Quads with both pairs of opposite edges cut become four quads, with one pair two; every other combination
 //! becomes a fan of triangles around the centre or, for triangles, the usual one, two or four.
 
+use crate::cast::nearest;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -274,16 +275,7 @@ pub(super) fn estimate(polygon: &[Vec3], size: f32) -> usize {
     } else {
         [edges[1], edges[3]]
     };
-    whole(across * along)
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a whole number of at most 2^48"
-)]
-fn whole(x: f64) -> usize {
-    x as usize
+    nearest(across * along)
 }
 
 /// Cells of a parallelogram, which are cut in rows and columns.
@@ -292,7 +284,7 @@ fn cells_of_parallelogram(polygon: &[Vec3], size: f32) -> Option<usize> {
     let sides = [[a, b], [b, c], [d, c], [a, d]];
     let [ab, bc, dc, ad] = sides.map(|[from, to]| pieces(from, to, size));
     let is_even = (b - a).abs_diff_eq(c - d, 1e-4 * size);
-    (is_even && ab == dc && bc == ad).then(|| whole(ab * bc))
+    (is_even && ab == dc && bc == ad).then(|| nearest(ab * bc))
 }
 
 fn part<Id: Copy>(corners: &[Id]) -> Part<Id> {
@@ -403,5 +395,110 @@ fn parts_of_triangle<C: Corners>(
         }
         [Some(ab), ..] => vec![part(&[a, ab, c]), part(&[ab, b, c])],
         [None, ..] => unreachable!("the first edge is the cut one"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::hash;
+
+    /// A number in [0, 1) by two others.
+    fn random(i: u64, k: u64) -> f32 {
+        (hash(i, k) >> 40) as f32 / (1_u32 << 24) as f32
+    }
+
+    /// A convex polygon in a plane that no axis lies in.
+    fn polygon(i: u64) -> Vec<Vec3> {
+        let n = 3 + i % 2;
+        let corner = |k: u64| {
+            let angle = core::f32::consts::TAU * (k as f32 + 0.6 * random(i, k)) / n as f32;
+            Vec3::new(3.0, 1.0, 2.0)
+                + Vec3::X * angle.cos()
+                + Vec3::new(0.0, 0.8, 0.6) * angle.sin()
+        };
+        (0..n).map(corner).collect()
+    }
+
+    /// The cells that a polygon becomes.
+    fn leaves(polygon: &[Vec3], size: f32, vertices: &mut Vertices) -> Vec<Cell> {
+        let ids: Vec<u32> = polygon.iter().map(|&p| vertices.at(p)).collect();
+        let mut open = vec![cell_of_part(part(&ids))];
+        let mut leaves = Vec::new();
+        while let Some(cell) = open.pop() {
+            let parts = split(cell, size, vertices);
+            if parts.is_empty() {
+                leaves.push(cell);
+            }
+            open.extend(parts);
+        }
+        leaves
+    }
+
+    #[test]
+    fn cells_are_counted_as_they_are_made() {
+        for i in 0..200 {
+            let (polygon, size) = (polygon(i), 0.05 + 0.5 * random(i, 9));
+            let mut vertices = Vertices::default();
+            let cells = leaves(&polygon, size, &mut vertices);
+            let counted = count(&polygon, size, size, usize::MAX);
+            assert_eq!(counted, cells.len(), "polygon {i}");
+            assert!(
+                count(&polygon, size, size, 3) <= 3 + 8,
+                "polygon {i}: a limit"
+            );
+            for cell in &cells {
+                let corners: Vec<Vec3> = cell
+                    .corners()
+                    .iter()
+                    .map(|&c| vertices.positions[c as usize])
+                    .collect();
+                assert!(
+                    !any_edge_longer(&corners, size),
+                    "polygon {i}: small enough"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_rectangle_becomes_rows_and_columns() {
+        let at = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let polygon = [at(0.0, 0.0), at(7.0, 0.0), at(7.0, 3.0), at(0.0, 3.0)];
+        let mut vertices = Vertices::default();
+        let cells = leaves(&polygon, 1.0, &mut vertices);
+        assert_eq!(cells.len(), 21, "7 × 3 squares");
+        assert_eq!(count(&polygon, 1.0, 1.0, 100), 21, "counted in one step");
+        assert_eq!(vertices.positions.len(), 8 * 4, "which share their corners");
+        assert!(
+            cells.iter().all(|cell| cell.count == 4),
+            "all of them quads"
+        );
+    }
+
+    #[test]
+    fn both_faces_at_an_edge_cut_it_alike() {
+        for i in 0..200 {
+            let corners = polygon(i);
+            let (a, b) = (corners[0], corners[1]);
+            let size = 0.03 + 0.5 * random(i, 9);
+            let [there, back] = [cut_at(a, b, size), cut_at(b, a, size)];
+            assert_eq!(there.is_some(), back.is_some(), "edge {i}: or not at all");
+            let sum = there.unwrap_or(0.5) + back.unwrap_or(0.5);
+            assert!((sum - 1.0).abs() < 1e-12, "edge {i}: in one place");
+        }
+    }
+
+    #[test]
+    fn sizes_below_rounding_end() {
+        let far = Vec3::splat(1e6);
+        let polygon = [far, far + Vec3::X, far + Vec3::ONE, far + Vec3::Y];
+        let mut vertices = Vertices::default();
+        let cells = leaves(&polygon, 1e-30, &mut vertices);
+        assert!(
+            cells.len() < 64,
+            "{} cells of some steps of an f32",
+            cells.len()
+        );
     }
 }

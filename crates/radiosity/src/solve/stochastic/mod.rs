@@ -42,6 +42,7 @@ mod view;
 
 pub use self::check::NoiseCheck;
 pub use self::stages::{Stage, Stages};
+use crate::cast::to_f32;
 
 use self::balance::Lost;
 use self::direct::Direct;
@@ -523,11 +524,6 @@ fn magnitude(mesh: &PatchMesh, radiosity: &[f32]) -> f64 {
     let elements = mesh.elements().len();
     let flux = |(i, b): (usize, &f32)| f64::from(b.abs() * mesh.exposed_area(i % elements));
     radiosity.iter().enumerate().map(flux).sum()
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }
 
 #[expect(
