@@ -27,7 +27,15 @@ const BISECTIONS: u32 = 18;
 const OFF_THE_STEP: f32 = 1.0003;
 
 /// Relative error at which a count is met.
-const MET: f64 = 0.02;
+const MET: f64 = 0.03;
+
+/// Sizes that are tried on either side of the one that meets a count for one with fewer fans, their ratio, and by how much
+/// they may miss the count.
+const GRIDS_TRIED: i32 = 8;
+const GRID_STEP: f32 = 1.0017;
+const MOST_OFF_FOR_GRIDS: f64 = 0.02;
+/// In finer meshes fans are small, and counting takes longer.
+const MOST_ELEMENTS_FOR_GRIDS: usize = 200_000;
 
 /// Elements if nothing is said of them.
 const DEFAULT_ELEMENTS: usize = 4000;
@@ -162,7 +170,7 @@ impl Surfaces {
     /// Elements of a size before anything cuts them, counted up to a limit.
     fn elements(&self, size: f32, limit: usize) -> usize {
         self.count(limit, |surface, limit| {
-            subdivide::count(surface.face.polygon(), size, size, limit)
+            subdivide::count(surface.face.polygon(), size, size, limit).cells
         })
     }
 
@@ -174,7 +182,7 @@ impl Surfaces {
             } else {
                 sizes.patch
             };
-            subdivide::count(surface.face.polygon(), sizes.element, size, limit)
+            subdivide::count(surface.face.polygon(), sizes.element, size, limit).cells
         })
     }
 
@@ -217,8 +225,44 @@ impl Surfaces {
         let size = self.size_for(uncut, self.longest * LEAST_SIZE, |size, limit| {
             self.elements(size, limit)
         });
+        let size = self.with_few_fans(size, uncut);
         let uncut = self.elements(size, uncut.saturating_mul(2));
         (size, is_met.then_some(Aim { wanted, uncut }))
+    }
+
+    /// A size near one that gives nearly as many elements, and the fewest fans: where a number of elements falls between those
+    /// of two grids, bisection ends at sizes at which opposite edges differ by a piece.
+    fn with_few_fans(&self, size: f32, wanted: usize) -> f32 {
+        if wanted > MOST_ELEMENTS_FOR_GRIDS {
+            return size;
+        }
+        let limit = 2 * wanted;
+        let cost = |size: f32| {
+            let off = self.elements(size, limit).abs_diff(wanted) as f64 / wanted as f64;
+            let is_near = off <= MOST_OFF_FOR_GRIDS;
+            (
+                if is_near {
+                    self.fans(size, limit)
+                } else {
+                    usize::MAX
+                },
+                off,
+            )
+        };
+        let tried = (-GRIDS_TRIED..=GRIDS_TRIED).map(|step| size * GRID_STEP.powi(step));
+        let costs = tried.map(|size| (cost(size), size));
+        let best = costs.min_by(|((fans, off), _), ((other_fans, other_off), _)| {
+            fans.cmp(other_fans).then(off.total_cmp(other_off))
+        });
+        best.filter(|((fans, _), _)| *fans < usize::MAX)
+            .map_or(size, |(_, best)| best)
+    }
+
+    /// Fans among the cells of elements of a size.
+    fn fans(&self, size: f32, limit: usize) -> usize {
+        let lit = self.all.par_iter().filter(|surface| surface.sides > 0);
+        let of = |s: &Surface| subdivide::count(s.face.polygon(), size, size, limit).fans;
+        lit.map(of).sum()
     }
 
     /// Patches as they are asked for, above elements of a size.

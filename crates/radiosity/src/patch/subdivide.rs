@@ -238,28 +238,38 @@ fn cell_of_part((corners, count): Part<u32>) -> Cell {
     }
 }
 
-/// How many cells a polygon becomes that are cut for a size as long as they have an edge longer than `whole`; it counts
-/// no further than a limit.
-pub(super) fn count(polygon: &[Vec3], size: f32, whole: f32, limit: usize) -> usize {
+/// Cells that are counted and not made.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Counted {
+    pub(super) cells: usize,
+    /// Quads among the cells above them that became fans, because opposite edges have different numbers of pieces.
+    pub(super) fans: usize,
+}
+
+/// The cells that a polygon becomes that are cut for a size as long as they have an edge longer than `whole`; they are
+/// counted no further than a limit.
+pub(super) fn count(polygon: &[Vec3], size: f32, whole: f32, limit: usize) -> Counted {
     if whole <= size
         && let Some(cells) = cells_of_parallelogram(polygon, size)
     {
-        return cells.min(limit);
+        let cells = cells.min(limit);
+        return Counted { cells, fans: 0 };
     }
     let mut open: Vec<Part<Vec3>> = vec![part(polygon)];
-    let mut count = 0;
+    let mut counted = Counted::default();
     while let Some((corners, n)) = open.pop() {
         let cell = &corners[..n];
-        let is_open = any_edge_longer(cell, whole) && open.len() + count < limit;
+        let is_open = any_edge_longer(cell, whole) && open.len() + counted.cells < limit;
         let parts = if is_open {
             parts(cell, size, &mut Loose)
         } else {
             Vec::new()
         };
-        count += usize::from(parts.is_empty());
+        counted.cells += usize::from(parts.is_empty());
+        counted.fans += usize::from(n == 4 && parts.len() > 4);
         open.extend(parts);
     }
-    count
+    counted
 }
 
 /// About how many cells a polygon becomes, by its longest edges.
@@ -441,10 +451,10 @@ mod tests {
             let (polygon, size) = (polygon(i), 0.05 + 0.5 * random(i, 9));
             let mut vertices = Vertices::default();
             let cells = leaves(&polygon, size, &mut vertices);
-            let counted = count(&polygon, size, size, usize::MAX);
+            let counted = count(&polygon, size, size, usize::MAX).cells;
             assert_eq!(counted, cells.len(), "polygon {i}");
             assert!(
-                count(&polygon, size, size, 3) <= 3 + 8,
+                count(&polygon, size, size, 3).cells <= 3 + 8,
                 "polygon {i}: a limit"
             );
             for cell in &cells {
@@ -468,7 +478,11 @@ mod tests {
         let mut vertices = Vertices::default();
         let cells = leaves(&polygon, 1.0, &mut vertices);
         assert_eq!(cells.len(), 21, "7 × 3 squares");
-        assert_eq!(count(&polygon, 1.0, 1.0, 100), 21, "counted in one step");
+        assert_eq!(
+            count(&polygon, 1.0, 1.0, 100).cells,
+            21,
+            "counted in one step"
+        );
         assert_eq!(vertices.positions.len(), 8 * 4, "which share their corners");
         assert!(
             cells.iter().all(|cell| cell.count == 4),
