@@ -5,8 +5,7 @@
 //! Names behind `--` choose scenes.
 
 use hemicube::radiosity::{
-    PatchOptions, Quality, Solution, SolveOptions, Solver, SolverKind, Stage, Stochastic, resume,
-    unlit,
+    PatchOptions, Quality, Solution, SolveOptions, Solver, SolverKind, Stochastic, resume, unlit,
 };
 use hemicube::scene::{Scene, builtin};
 use hemicube_chart::{Chart, Curve, Scale};
@@ -157,18 +156,11 @@ fn by_stages(unlit: Solution, options: &SolveOptions) -> (String, f64) {
     while !solver.is_exhausted() {
         solver.step();
     }
-    let stages = solver.stages();
-    let rate = |stage: Stage| {
-        let rays = stage.rays as f64 / 1e6;
-        format!("{rays:.1} M at {:.2} M/s", rays / stage.time.as_secs_f64())
-    };
-    let note = format!(
-        "noise {:.3}; rays: direct {}, spreading {}, gathering {}",
-        solver.noise(),
-        rate(stages.direct),
-        rate(stages.spreading),
-        rate(stages.gathering)
-    );
+    let rates = solver.stages().named().map(|(name, stage)| {
+        let (rays, rate) = (stage.rays as f64 / 1e6, stage.rate() / 1e6);
+        format!("{name} {rays:.1} M at {rate:.2} M/s")
+    });
+    let note = format!("noise {:.3}; rays: {}", solver.noise(), rates.join(", "));
     (note, balance_error(solver.solution()))
 }
 

@@ -3,7 +3,7 @@
 //! all at once.
 
 use hemicube::radiosity::{
-    PatchOptions, Quality, SolveOptions, Solver, Stage, Stochastic, StochasticOptions, unlit,
+    PatchOptions, Quality, SolveOptions, Solver, Stochastic, StochasticOptions, unlit,
 };
 use hemicube::scene::builtin;
 use hemicube_tests::solutions::balance_error;
@@ -69,17 +69,10 @@ fn check(name: &str, elements: usize, noise: f64) {
     let seconds = begin.elapsed().as_secs_f64();
     let error = balance_error(solver.solution());
     assert!(error < 1e-4, "{error:.1e} of the energy is lost");
-    let stages = solver.stages();
-    for (stage, Stage { rays, time }) in [
-        ("direct", stages.direct),
-        ("spreading", stages.spreading),
-        ("gathering", stages.gathering),
-    ] {
-        let (rays, time) = (rays as f64 / 1e6, time.as_secs_f64());
-        println!(
-            "{stage}: {rays:.1} M rays, {time:.1} s, {:.2} M/s",
-            rays / time
-        );
+    for (name, stage) in solver.stages().named() {
+        let (rays, rate) = (stage.rays as f64 / 1e6, stage.rate() / 1e6);
+        let seconds = stage.time.as_secs_f64();
+        println!("{name}: {rays:.1} M rays, {seconds:.1} s, {rate:.2} M/s");
     }
     println!("noise {:.4} after {seconds:.1} s", solver.noise());
     let check = solver.check_noise(CHECKED, TIMES);

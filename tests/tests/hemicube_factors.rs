@@ -329,7 +329,7 @@ fn panes_let_their_share_through() {
 #[test]
 fn furnace_is_emission_over_one_minus_reflectance() {
     for resolution in [32, 128] {
-        let options = PatchOptions::default().with_elements(200).with_patches(50);
+        let options = PatchOptions::default().with_elements(96).with_patches(24);
         let mesh = mesh_of(builtin::furnace_with(0.5, 1.0), options);
         let factors = hemicube(&mesh, resolution, 16);
         let dark = vec![Rgb::BLACK; mesh.elements().len()];

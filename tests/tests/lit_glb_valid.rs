@@ -384,17 +384,17 @@ fn the_special_file_keeps_what_is_special() {
 #[test]
 fn files_of_an_older_layout_are_refused_in_words() {
     let mut bytes = lit(builtin::furnace_with(0.5, 1.0));
-    let key = b"\"version\":6";
+    let key = b"\"version\":7";
     let places: Vec<usize> = (0..bytes.len() - key.len())
         .filter(|&i| bytes[i..].starts_with(key))
         .collect();
     assert_eq!(places.len(), 1, "the layout's number");
-    bytes[places[0] + key.len() - 1] = b'5';
+    bytes[places[0] + key.len() - 1] = b'6';
     assert!(lit_glb::is_lit(&bytes), "it is still one of ours");
     let refused = lit_glb::read(&bytes).expect_err("its scene is laid out otherwise");
     let message = refused.to_string();
     assert!(
-        message.contains("layout 5, this program reads 6")
+        message.contains("layout 6, this program reads 7")
             && message.contains("solve the scene again"),
         "{message}"
     );

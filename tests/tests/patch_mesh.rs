@@ -270,3 +270,58 @@ fn senseless_sizes_are_refused() {
         assert!(!error.to_string().contains('\n'), "in one line: {error}");
     }
 }
+
+#[test]
+fn there_are_as_many_elements_as_are_asked_for() {
+    // The faces of a furnace and of the plates are all alike; the chapel has 3553 lit sides, and joints add a tenth.
+    let scenes = [
+        "cornell",
+        "two-rooms",
+        "furnace",
+        "parallel-plates",
+        "chapel",
+    ];
+    for (name, asked) in scenes
+        .iter()
+        .flat_map(|name| [(name, 2000), (name, 20_000)])
+    {
+        let options = PatchOptions::default().with_elements(asked);
+        let mesh = builtin_mesh(name, options);
+        let (made, sides) = (mesh.elements().len(), mesh.lit_sides());
+        if 3 * asked < 4 * sides {
+            assert!(
+                made > sides,
+                "{name}: {made} elements, one for each of {sides} sides"
+            );
+            continue;
+        }
+        let off = made as f64 / asked as f64 - 1.0;
+        assert!(off.abs() < 0.05, "{name}: {made} elements for {asked}");
+    }
+}
+
+#[test]
+fn patches_are_about_as_many_as_are_asked_for() {
+    for (name, asked) in [("cornell", 400), ("two-rooms", 400), ("cornell", 2000)] {
+        let options = PatchOptions::default()
+            .with_elements(8000)
+            .with_patches(asked);
+        let made = builtin_mesh(name, options).patches().len();
+        let off = made as f64 / asked as f64 - 1.0;
+        assert!(off.abs() < 0.1, "{name}: {made} patches for {asked}");
+    }
+}
+
+#[test]
+fn more_elements_asked_for_are_never_fewer() {
+    let mut before = 0;
+    for asked in [30, 31, 100, 101, 500, 510, 4000, 4100, 9000] {
+        let made = builtin_mesh("cornell", PatchOptions::default().with_elements(asked));
+        let made = made.elements().len();
+        assert!(
+            made * 50 >= before * 49,
+            "{made} elements for {asked}, {before} for fewer"
+        );
+        before = made;
+    }
+}

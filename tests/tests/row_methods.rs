@@ -235,7 +235,7 @@ fn rows_have_the_same_bits_on_any_number_of_threads() {
 /// Radiosity of the furnace is 2. Its mean tells of closure, which is exact; elements tell of the factors' noise.
 #[test]
 fn furnaces_are_emission_over_one_minus_reflectance() {
-    let options = PatchOptions::default().with_elements(200).with_patches(50);
+    let options = PatchOptions::default().with_elements(96).with_patches(24);
     let mesh = mesh_of(builtin::furnace_with(0.5, 1.0), options);
     for (name, kind, factors) in ways(&mesh, &FormFactorOptions::default()) {
         let factors = Kept::new(&*factors);

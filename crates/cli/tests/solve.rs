@@ -582,3 +582,46 @@ fn elements_are_cut_as_asked_and_files_remember_how() {
     let refused = folder.fails(2, &["solve", "--resume", "lit.glb", "--no-joints"]);
     assert!(refused.contains("--no-joints"), "{refused}");
 }
+
+#[test]
+fn stages_of_rays_tell_what_they_cost() {
+    let folder = Folder::new();
+    let solve = [
+        "solve",
+        "cornell",
+        "--solver",
+        "stochastic",
+        "--noise",
+        "0.2",
+    ];
+    let report = folder.json(&small(&solve));
+    let stages = report["stages"].as_array().expect("a list");
+    let names: Vec<_> = stages.iter().map(|s| s["stage"].as_str()).collect();
+    assert_eq!(
+        names,
+        ["direct", "spreading", "gathering"].map(Some),
+        "{report}"
+    );
+    let rays = stages.iter().map(|s| s["rays"].as_u64().unwrap_or(0));
+    assert_eq!(Some(rays.sum()), report["rays"].as_u64(), "all of them");
+    for stage in stages {
+        let [rays, seconds, rate] =
+            ["rays", "seconds", "rays_per_second"].map(|n| stage[n].as_f64().expect("a number"));
+        assert!((rate * seconds / rays - 1.0).abs() < 1e-6, "{stage}");
+    }
+    let text = folder.done(&small(&solve));
+    assert!(text.contains("rays      direct"), "{text}");
+    let none = folder.json(&small(&["solve", "cornell"]));
+    assert!(none["stages"].is_null(), "shooting has none: {none}");
+}
+
+#[test]
+fn more_elements_than_asked_for_are_explained() {
+    let folder = Folder::new();
+    let output = folder.run(&["solve", "chapel", "--elements", "500", "--iterations", "1"]);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        errors.contains("in place of 500: faces have 3,553 lit sides"),
+        "{errors}"
+    );
+}

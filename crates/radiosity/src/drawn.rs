@@ -50,8 +50,8 @@ impl DrawnMesh {
         let mesh = solution.mesh();
         let fans = Fans::new(mesh);
         let light = fans.means(&element_irradiance(solution));
-        let mut drawn = Self::default();
-        let mut known: HashMap<VertexKey, u32> = HashMap::new();
+        let mut drawn = Self::with_capacity(light.len());
+        let mut known = Known::new(light.len());
         let mut part_of: HashMap<(u32, u32), usize> = HashMap::new();
         for (e, &id) in mesh.elements().iter().enumerate() {
             let NodeKind::Surface { face, .. } = mesh.node(id).kind else {
@@ -76,11 +76,7 @@ impl DrawnMesh {
                 .map(|(&vertex, &fan_part)| {
                     let irradiance = light[fan_part as usize] + extra;
                     let corner = drawn.corner(solution, id, vertex, irradiance);
-                    let key = VertexKey::new(fan_part, part, &corner);
-                    *known.entry(key).or_insert_with(|| {
-                        drawn.fan_parts.push(fan_part);
-                        drawn.push(corner)
-                    })
+                    known.vertex(&mut drawn, fan_part, part, corner)
                 })
                 .collect();
             let part = &mut drawn.parts[part];
@@ -146,6 +142,19 @@ impl DrawnMesh {
         corner
     }
 
+    /// Room for so many vertices; there are more where one part of a fan has corners of several kinds.
+    fn with_capacity(vertices: usize) -> Self {
+        Self {
+            positions: Vec::with_capacity(vertices),
+            normals: Vec::with_capacity(vertices),
+            texcoords: Vec::with_capacity(vertices),
+            colors: Vec::with_capacity(vertices),
+            irradiance: Vec::with_capacity(vertices),
+            parts: Vec::new(),
+            fan_parts: Vec::with_capacity(vertices),
+        }
+    }
+
     fn push(&mut self, corner: Corner) -> u32 {
         self.positions.push(corner.position);
         self.normals.push(corner.normal);
@@ -156,6 +165,7 @@ impl DrawnMesh {
     }
 }
 
+#[derive(Debug, Clone, Copy)]
 struct Corner {
     position: Vec3,
     normal: Vec3,
@@ -164,25 +174,58 @@ struct Corner {
     irradiance: Rgb,
 }
 
-/// Corners that agree in all of this are one vertex.
-#[derive(Debug, PartialEq, Eq, Hash)]
-struct VertexKey {
-    fan_part: u32,
-    part: usize,
-    bits: [u32; 11],
+/// Vertices that a corner is compared with at most.
+const MOST_LOOKS: usize = 64;
+
+/// Vertices that were pushed, by the part of a fan: most have one. A table with a key for each would be the largest thing
+/// in memory while a file is written.
+///
+/// A part of a fan has few kinds of corners; beyond [`MOST_LOOKS`] a vertex that is there twice does no harm.
+struct Known {
+    /// For each part of a fan the last vertex, or [`Self::NONE`].
+    last: Vec<u32>,
+    /// For each vertex the one before it of the same part of a fan, and its drawn part.
+    before: Vec<(u32, u32)>,
 }
 
-impl VertexKey {
-    fn new(fan_part: u32, part: usize, corner: &Corner) -> Self {
-        let [a, b] = corner.texcoords;
-        let (n, c) = (corner.normal, corner.color);
-        let values = [a.x, a.y, b.x, b.y, n.x, n.y, n.z, c.x, c.y, c.z, c.w];
-        // Adding 0 makes -0 and 0 the same.
+impl Known {
+    const NONE: u32 = u32::MAX;
+
+    fn new(fan_parts: usize) -> Self {
         Self {
-            fan_part,
-            part,
-            bits: values.map(|x| (x + 0.0).to_bits()),
+            last: vec![Self::NONE; fan_parts],
+            before: Vec::with_capacity(fan_parts),
         }
+    }
+
+    /// The vertex of a corner, pushed if there is none like it.
+    fn vertex(&mut self, drawn: &mut DrawnMesh, fan_part: u32, part: usize, corner: Corner) -> u32 {
+        let part = crate::index32(part);
+        let last = self.last[fan_part as usize];
+        let mut vertex = last;
+        for _ in 0..MOST_LOOKS {
+            let Some(&(before, of_part)) = self.before.get(vertex as usize) else {
+                break;
+            };
+            if of_part == part && corner.is_vertex(drawn, vertex as usize) {
+                return vertex;
+            }
+            vertex = before;
+        }
+        self.before.push((last, part));
+        drawn.fan_parts.push(fan_part);
+        let vertex = drawn.push(corner);
+        self.last[fan_part as usize] = vertex;
+        vertex
+    }
+}
+
+impl Corner {
+    /// Whether it agrees with a vertex in all that a file or a picture takes from it. Light is that of the part of the fan.
+    fn is_vertex(&self, drawn: &DrawnMesh, vertex: usize) -> bool {
+        self.texcoords == drawn.texcoords[vertex]
+            && self.normal == drawn.normals[vertex]
+            && self.color == drawn.colors[vertex]
     }
 }
 

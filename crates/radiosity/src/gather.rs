@@ -6,6 +6,7 @@
 //! by those rays.
 
 use crate::band_sum::BandSum;
+use crate::cast::to_f32;
 use crate::form_factor::polygon::{FlatPolygon, point_to_polygon};
 use crate::primary::from_light;
 use crate::sampling::{cosine_direction, hash, point2};
@@ -303,9 +304,4 @@ fn emitters(solution: &Solution) -> (Vec<Emitter>, Vec<Rgb>) {
 )]
 fn ceil_count(wanted: f32) -> u32 {
     wanted.ceil() as u32
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }

@@ -127,13 +127,14 @@ impl SolverKind {
         }
     }
 
-    /// The best for a scene of so many faces, to be cut into about so many elements beyond those: sorted shooting as long
-    /// as its shots are few, rays beyond.
+    /// The best for a scene of so many faces, to be cut into about so many elements ([`PatchOptions`]): sorted shooting as
+    /// long as its shots are few, rays beyond.
     pub fn for_size(faces: usize, elements: usize) -> Self {
         /// Up to here shooting takes no more than half a minute on two cores (office 24 s, cornell 9 s), and its light is
         /// smooth. Rays to 3 % take a third of that here, and are faster in smaller scenes, too.
         const MANY: usize = 40_000;
-        if faces.saturating_add(elements) > MANY {
+        let least = faces.saturating_add(elements.min(faces / 3));
+        if least.max(elements) > MANY {
             Self::Stochastic
         } else {
             Self::AmbientShooting
@@ -466,6 +467,7 @@ pub(crate) fn converge(
         .map(|steps| before.steps.saturating_add(steps));
     let mut name = backend.name(options);
     let mut noise = None;
+    let mut stages = before.stages;
     let mut go_on = |progress: &Progress, solution: &Solution| {
         // It is told every state, also one at which a limit ends the work.
         go_on(progress, solution)
@@ -507,6 +509,7 @@ pub(crate) fn converge(
             run(&mut solver, options.tolerance, go_on);
             let rays = solver.rays();
             noise = solver.known_noise();
+            stages = Some(stages.unwrap_or_default() + solver.stages());
             (solver.into_solution(), rays)
         }
         Way::Hierarchical => {
@@ -544,6 +547,7 @@ pub(crate) fn converge(
         rays: before.rays + rays,
         seconds: before.seconds + start.elapsed().as_secs_f64(),
         noise,
+        stages,
         ..solution.provenance
     };
     Ok(solution)

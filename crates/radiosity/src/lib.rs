@@ -31,10 +31,11 @@
 //! of some percent (the steel mill 9 s to 20 %, the theatre 8 s to 70 %). What does not fit into memory is refused by a
 //! sample of pairs, before rows are computed. Radiosity is constant on an element.
 //!
-//! Models are mended before they are cut ([`patch::clean`]). Elements are cut where faces meet ([`patch::constraints`])
+//! Models are mended before they are cut ([`patch::clean`]). A number of elements is met within 5 %, where faces are fewer
+//! ([`PatchOptions`]). Elements are cut where faces meet ([`patch::constraints`])
 //! and, if asked, along the borders of shadows ([`patch::discontinuities`]); parts smaller than a quarter of an element
 //! stay uncut, faces that cross in more than 2048 segments keep the first, a cell the first 32 (a warning counts those), and
-//! round lamps and windows cast no lines. [`adaptive`] cuts elements where light varies. With ray-cast factors only new
+//! round lamps and windows cast no lines. [`adaptive`] cuts elements where light varies, as long as they make the error of pictures. With ray-cast factors only new
 //! elements ask for light, by pairs that are drawn, and patches keep theirs; with other ways to factors each round asks for
 //! the rows of all patches, with rays and links it solves anew, so those take as long as solving once for every level.
 //! Between vertices light is linear; at borders of surfaces it is extrapolated ([`vertex_light`]).
@@ -47,6 +48,7 @@
 pub mod adaptive;
 pub mod backend;
 mod band_sum;
+mod cast;
 pub mod compare;
 pub mod drawn;
 mod error;

@@ -1,9 +1,10 @@
 //! Memory that a scene's light takes, estimated before the work begins.
 //!
 //! An estimate is a line: what an element takes, with each group of luminaires, and what any work takes. The numbers are
-//! fitted to peaks of the program that solves and writes a lit file: `cornell` of 108,151 and 430,220 elements and `theatre`
-//! of 233,176 and 550,629 take 182, 422, 301 and 512 MB by shooting, and 100, 361, 512 and 890 MB by rays. Matrices and
-//! links have a limit of their own ([`SolveOptions::memory_limit`]).
+//! fitted to peaks of the program that solves and writes a lit file: by rays, `cornell` of 109,224 and 431,322 elements and
+//! `theatre` of 541,518 and 995,173 take 82, 312, 691 and 848 MiB, and 95, 305, 667 and 911 by the line; by shooting,
+//! `cornell` of 431,322 and `theatre` of 541,518 take 434 and 449 MiB, and 408 and 481 by the line. Matrices and links have a
+//! limit of their own ([`SolveOptions::memory_limit`]).
 
 use crate::error::RadiosityError;
 use crate::job::{SolveOptions, Way, groups_in};
@@ -13,13 +14,15 @@ use hemicube_scene::Scene;
 
 const MIB: usize = 1 << 20;
 /// What work on few elements takes.
-const FIXED: usize = 48 * MIB;
+const FIXED: usize = 24 * MIB;
 /// Rows that are kept for patches that shoot again: mostly fewer than may be.
 const ROWS: usize = 96 * MIB;
 /// Of a mesh with one group, its solver, and the lit file.
-const OF_ELEMENT: usize = 750;
+const OF_ELEMENT: usize = 700;
+/// The same by rays alone.
+const OF_ELEMENT_BY_RAYS: usize = 565;
 /// Of a patch that gathers by rays.
-const OF_GATHERING_PATCH: usize = 3300;
+const OF_GATHERING_PATCH: usize = 2400;
 /// Irradiance, its unshot part and the file's share, of each band.
 const OF_GROUP: usize = 12 * BANDS;
 
@@ -75,18 +78,19 @@ struct Line {
 impl Line {
     fn of(scene: &Scene, options: &SolveOptions) -> Self {
         let groups = groups_in(scene, options.grouping);
-        let fixed = match options.solver.way() {
-            Way::Shooting(_) | Way::OnMatrix(_) => FIXED + ROWS,
-            Way::Hierarchical => FIXED,
+        let (fixed, of_element) = match options.solver.way() {
+            Way::Shooting(_) | Way::OnMatrix(_) => (FIXED + ROWS, OF_ELEMENT),
+            Way::Hierarchical => (FIXED, OF_ELEMENT),
             Way::Stochastic => {
-                let patches =
-                    options.mesh.patches.unwrap_or(0).min(MAX_ELEMENTS) + scene.face_count();
-                FIXED.saturating_add(patches.saturating_mul(OF_GATHERING_PATCH))
+                let asked = options.mesh.patches.unwrap_or(0).min(MAX_ELEMENTS);
+                let patches = asked.max(scene.face_count());
+                let of_patches = patches.saturating_mul(OF_GATHERING_PATCH);
+                (FIXED.saturating_add(of_patches), OF_ELEMENT_BY_RAYS)
             }
         };
         Self {
             fixed,
-            of_element: OF_ELEMENT + (groups - 1) * OF_GROUP,
+            of_element: of_element + (groups - 1) * OF_GROUP,
         }
     }
 }

@@ -1,8 +1,10 @@
 //! What a solver works on and what it leaves behind.
 
 use crate::patch::PatchMesh;
+use crate::solve::Stages;
 use hemicube_raster::Rgb;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Bands of a channel block: red, green, blue.
@@ -57,6 +59,9 @@ pub struct Provenance {
     /// Relative standard error of the irradiance, where the solver draws lots and knows it
     /// ([`Stochastic::noise`](crate::solve::Stochastic::noise)).
     pub noise: Option<f64>,
+    /// What the stages of solving by rays alone cost since the scene was opened; files do not keep it.
+    #[serde(skip)]
+    pub stages: Option<Stages>,
 }
 
 /// Where the light is, in lm or W (of scene units): `emitted = absorbed + unshot + escaped`.
@@ -80,15 +85,15 @@ impl EnergyBalance {
     }
 }
 
-/// The arrays of a solution as they are stored: everything but the mesh.
+/// The arrays of a solution as they are stored: everything but the mesh. They are lent for writing.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct SolutionData {
-    pub(crate) groups: Vec<LightGroup>,
-    pub(crate) irradiance: Vec<f32>,
-    pub(crate) exitance: Vec<f32>,
-    pub(crate) unshot: Vec<f32>,
-    pub(crate) balance: Vec<[EnergyBalance; BANDS]>,
-    pub(crate) provenance: Provenance,
+pub struct SolutionData<'a> {
+    groups: Cow<'a, [LightGroup]>,
+    pub(crate) irradiance: Cow<'a, [f32]>,
+    exitance: Cow<'a, [f32]>,
+    unshot: Cow<'a, [f32]>,
+    balance: Cow<'a, [[EnergyBalance; BANDS]]>,
+    provenance: Cow<'a, Provenance>,
 }
 
 /// Which emitters share a channel.
@@ -153,6 +158,7 @@ impl Solution {
             provenance: Provenance {
                 steps: 0,
                 noise: None,
+                stages: None,
                 ..self.provenance.clone()
             },
             mesh: mesh.clone(),
@@ -451,19 +457,19 @@ impl Solution {
     }
 
     /// Its arrays, for storing.
-    pub fn data(&self) -> SolutionData {
+    pub fn data(&self) -> SolutionData<'_> {
         SolutionData {
-            groups: self.groups.clone(),
-            irradiance: self.irradiance.clone(),
-            exitance: self.exitance.clone(),
-            unshot: self.unshot.clone(),
-            balance: self.balance.clone(),
-            provenance: self.provenance.clone(),
+            groups: Cow::Borrowed(&self.groups),
+            irradiance: Cow::Borrowed(&self.irradiance),
+            exitance: Cow::Borrowed(&self.exitance),
+            unshot: Cow::Borrowed(&self.unshot),
+            balance: Cow::Borrowed(&self.balance),
+            provenance: Cow::Borrowed(&self.provenance),
         }
     }
 
     /// Stored arrays on their mesh; the error says what does not fit.
-    pub fn from_data(mesh: Arc<PatchMesh>, data: SolutionData) -> Result<Self, String> {
+    pub fn from_data(mesh: Arc<PatchMesh>, data: SolutionData<'_>) -> Result<Self, String> {
         let values = data
             .groups
             .len()
@@ -489,22 +495,14 @@ impl Solution {
                 return Err(format!("a value of {name} is not finite"));
             }
         }
-        let SolutionData {
-            groups,
-            irradiance,
-            exitance,
-            unshot,
-            balance,
-            provenance,
-        } = data;
         Ok(Self {
             mesh,
-            groups,
-            irradiance,
-            exitance,
-            unshot,
-            balance,
-            provenance,
+            groups: data.groups.into_owned(),
+            irradiance: data.irradiance.into_owned(),
+            exitance: data.exitance.into_owned(),
+            unshot: data.unshot.into_owned(),
+            balance: data.balance.into_owned(),
+            provenance: data.provenance.into_owned(),
         })
     }
 }

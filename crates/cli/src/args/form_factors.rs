@@ -28,7 +28,7 @@ Of .vs3 files (View3D) T, F 3 and 3a, V, S, M, N, O, C and E are read; encl=1 do
 
 /// Rays over each hemisphere: factors are the result here, not a step on the way to it.
 const RAYS: u32 = 4096;
-/// Elements beyond one for each face, for methods that sample.
+/// Elements for methods that sample.
 const ELEMENTS: usize = 500;
 
 /// Computes the view factors between the faces or objects of a scene
@@ -72,7 +72,7 @@ pub struct FactorArgs {
     /// Cut faces until no edge is longer, in scene units, and sum the parts
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub element_size: Option<f32>,
-    /// Cut faces into about so many parts, beyond one for each, instead [default: none for analytic, else 500]
+    /// Cut faces into about so many parts instead [default: none for analytic, else 500]
     #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=u64::from(u32::MAX)))]
     pub elements: Option<u32>,
     /// Change the factors as little as closure (rows sum to 1) and reciprocity (A_i F_ij = A_j F_ji) allow; the report

@@ -69,7 +69,7 @@ pub struct MeshArgs {
     /// Longest edge of the elements that receive light, in scene units (metres)
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub element_size: Option<f32>,
-    /// Elements to aim at instead of a size [default: 4000]
+    /// Elements instead of a size, met within 5 % where faces are fewer [default: 4000]
     #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=u64::from(u32::MAX)))]
     pub elements: Option<u32>,
     /// Longest edge of the patches that shoot light, in scene units (metres)
@@ -169,7 +169,7 @@ pub struct LiveArgs {
     /// Longest edge of the elements that receive light, in scene units (metres)
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = parse::length)]
     pub element_size: Option<f32>,
-    /// Elements to aim at instead of a size
+    /// Elements instead of a size, met within 5 % where faces are fewer
     #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size", value_parser = parse::whole::<u32>(1..=u64::from(u32::MAX)))]
     pub elements: Option<u32>,
     /// Longest edge of the patches that shoot light, in scene units (metres)

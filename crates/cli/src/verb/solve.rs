@@ -9,9 +9,9 @@ use crate::interrupt;
 use crate::links;
 use crate::output::{Target, print, print_json};
 use crate::picture;
-use crate::report::{Report, peak_memory};
+use crate::report::{Report, grouped, peak_memory};
 use crate::solving::{Solved, Stop, Watch, percent};
-use hemicube::radiosity::export::lit_glb::{self, LitGlbOptions};
+use hemicube::radiosity::export::lit_glb::{LitGlb, LitGlbOptions};
 use hemicube::radiosity::solve::ambient_irradiance;
 use hemicube::radiosity::{Solution, SolverKind};
 use hemicube::raster::Rgb;
@@ -39,6 +39,7 @@ pub fn run(args: &SolveVerb, global: GlobalArgs, start: Instant) -> Result<(), F
         };
         print(&(report.text() + &wrote))?;
     }
+    tell_of_faces(args, &solved, global);
     tell_how_it_ended(args, &solved, global);
     if solved.stop == Stop::Interrupt && files.is_empty() {
         return Err(Failure::Interrupted);
@@ -138,6 +139,24 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
     a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
+/// Says why there are more elements than were asked for.
+fn tell_of_faces(args: &SolveVerb, solved: &Solved, global: GlobalArgs) {
+    let mesh = solved.solution.mesh();
+    let (made, sides) = (mesh.unrefined_elements(), mesh.lit_sides());
+    let Some(asked) = args.solve.mesh.elements.map(|asked| asked as usize) else {
+        return;
+    };
+    if made > asked + asked / 20 && 3 * asked < 4 * sides {
+        let [asked, made, sides] = [asked, made, sides].map(|n| grouped(n as u64));
+        note(
+            global,
+            &format!(
+                "{made} elements in place of {asked}: faces have {sides} lit sides, each at least one element"
+            ),
+        );
+    }
+}
+
 fn tell_how_it_ended(args: &SolveVerb, solved: &Solved, global: GlobalArgs) {
     let why = match solved.stop {
         Stop::Finished | Stop::Iterations => return,
@@ -229,7 +248,8 @@ impl Targets {
                 ambient: ambient_for_display(solution),
                 report: report.to_json(),
             };
-            target.write(&lit_glb::write(solution, &options)?)?;
+            let file = LitGlb::new(solution, &options)?;
+            target.write_with(|out| file.write_to(out))?;
         }
         if let Some(target) = &self.image {
             let gpu = &args.solve.mesh.gpu;

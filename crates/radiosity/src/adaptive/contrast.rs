@@ -41,7 +41,7 @@ pub fn contrasts(solution: &Solution) -> Vec<f32> {
 }
 
 /// Mean over the exposed areas.
-fn mean_luminance(mesh: &PatchMesh, irradiance: &[Rgb]) -> f32 {
+pub(super) fn mean_luminance(mesh: &PatchMesh, irradiance: &[Rgb]) -> f32 {
     let (mut sum, mut areas) = (0.0, 0.0);
     for (e, light) in irradiance.iter().enumerate() {
         let area = f64::from(mesh.exposed_area(e));

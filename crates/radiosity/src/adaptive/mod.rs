@@ -2,7 +2,7 @@
 //!
 //! A scene is solved, elements over which light [varies too much](contrasts) are cut into four, their neighbours until
 //! levels differ by at most one, and light is computed on the new elements; and so on until no element has so much
-//! contrast, or all that have are as small as allowed. Patches stay as they are, so shooting costs no more than before.
+//! contrast, or all that have are as small as allowed or add too little to the error of pictures ([`ERROR_SHARE`]). Patches stay as they are, so shooting costs no more than before.
 //!
 //! | solver | light on the new elements |
 //! |---|---|
@@ -15,9 +15,11 @@ mod order;
 mod receive;
 mod transfer;
 
+use crate::cast::to_f32;
 pub use contrast::{FLOOR, contrasts};
+pub use order::ERROR_SHARE;
 
-use self::order::{error_estimates, to_cut};
+use self::order::{allowed_error, error_estimates, to_cut, worth_a_cut};
 use self::transfer::{received_by_new, transferred};
 use crate::backend::Backend;
 use crate::error::RadiosityError;
@@ -46,7 +48,8 @@ const ERRORS: f64 = 3.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptiveOptions {
     /// Largest contrast of light over an element ([`contrasts`]), between 0 and 1. Of light that is known up to noise, at
-    /// least three standard errors count. Default value: 0.1.
+    /// least three standard errors count. Elements of which the error of pictures is small all together ([`ERROR_SHARE`]) stay
+    /// whole whatever their contrast. Default value: 0.1.
     pub contrast: f32,
     /// Edges of at most this length are not cut. Default value: a sixteenth of the longest edge of the mesh's first
     /// elements.
@@ -66,7 +69,7 @@ impl Default for AdaptiveOptions {
     }
 }
 
-/// Elements that are left with more contrast than wanted.
+/// Elements that are left with more contrast than wanted, and that make the error of pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Contrasted {
     /// All of them.
@@ -130,16 +133,15 @@ impl AdaptiveOptions {
         self.contrast.max(to_f32(ERRORS * noise))
     }
 
-    /// Elements of a solution that have more contrast than wanted.
+    /// Elements of a solution that have more contrast than wanted and make the error of pictures.
     pub fn left(&self, solution: &Solution) -> Contrasted {
-        let (mesh, least) = (solution.mesh(), self.least_contrast(solution));
-        let is_over: Vec<bool> = contrasts(solution).iter().map(|&c| c > least).collect();
+        let mesh = solution.mesh();
         let is_cut = mesh.are_longer(self.smallest_edge(mesh));
-        let over = is_over.iter().zip(is_cut).filter(|(is_over, _)| **is_over);
-        let (cut, smallest): (Vec<_>, Vec<_>) = over.partition(|(_, is_cut)| *is_cut);
+        let over = Over::of(self, solution).elements;
+        let smallest = over.iter().filter(|&&e| !is_cut[e]).count();
         Contrasted {
-            elements: cut.len() + smallest.len(),
-            smallest: smallest.len(),
+            elements: over.len(),
+            smallest,
         }
     }
 
@@ -147,21 +149,20 @@ impl AdaptiveOptions {
     pub fn plan(&self, solution: &Solution) -> Option<RefinementPlan> {
         let mesh = solution.mesh();
         let (least, smallest) = (self.least_contrast(solution), self.smallest_edge(mesh));
-        let contrasts = contrasts(solution);
-        let errors = error_estimates(solution);
-        let mut over: Vec<usize> = (0..contrasts.len())
-            .filter(|&e| contrasts[e] > least)
-            .collect();
-        over.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]).then(a.cmp(&b)));
+        let Over {
+            elements: over,
+            contrasts,
+            errors,
+        } = Over::of(self, solution);
         let plan = |count: usize| {
-            let mut marks = vec![false; contrasts.len()];
+            let mut marks = vec![false; mesh.elements().len()];
             over[..count].iter().for_each(|&e| marks[e] = true);
             mesh.plan_refinement(&marks, smallest)
         };
         let fits = |plan: &RefinementPlan| plan.elements <= self.most_elements;
-        let room = self.most_elements.saturating_sub(contrasts.len());
-        let wanted = if self.wanted(mesh, least, over.iter().map(|&e| contrasts[e])) > room as f64 {
-            let errors: Vec<f32> = over.iter().map(|&e| errors[e]).collect();
+        let room = self.most_elements.saturating_sub(mesh.elements().len());
+        let over_by = contrasts.iter().copied();
+        let wanted = if self.wanted(mesh, least, over_by) > room as f64 {
             to_cut(&errors, room)
         } else {
             over.len()
@@ -201,6 +202,34 @@ impl AdaptiveOptions {
     /// Rounds of refinement at most.
     fn most_rounds(&self, mesh: &PatchMesh) -> u32 {
         whole(self.halvings(mesh)) + MORE_ROUNDS
+    }
+}
+
+/// Elements that are to be cut, those of the largest error first.
+struct Over {
+    elements: Vec<usize>,
+    /// Of each of them.
+    contrasts: Vec<f32>,
+    errors: Vec<f32>,
+}
+
+impl Over {
+    fn of(options: &AdaptiveOptions, solution: &Solution) -> Self {
+        let least = options.least_contrast(solution);
+        let (contrasts, errors) = (contrasts(solution), error_estimates(solution));
+        let mut elements: Vec<usize> = (0..contrasts.len())
+            .filter(|&e| contrasts[e] > least)
+            .collect();
+        elements.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]).then(a.cmp(&b)));
+        let mut errors: Vec<f32> = elements.iter().map(|&e| errors[e]).collect();
+        let worth = worth_a_cut(&errors, allowed_error(solution, least));
+        elements.truncate(worth);
+        errors.truncate(worth);
+        Self {
+            contrasts: elements.iter().map(|&e| contrasts[e]).collect(),
+            elements,
+            errors,
+        }
     }
 }
 
@@ -437,11 +466,6 @@ impl Work<'_> {
         let is_finished = solution.unshot_fraction() <= self.options.tolerance;
         Ok((is_finished || !is_cut_off).then_some(solution))
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }
 
 #[expect(

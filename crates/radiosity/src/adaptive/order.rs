@@ -6,10 +6,17 @@
 //! whose parts all come to `τ` has `(η / τ)^⅔` of them for each element, and has the least error of all meshes of so many
 //! elements. Contrast would choose dim slopes, which interpolation follows, before bright hilltops, which it cuts off.
 
+use super::contrast::mean_luminance;
 use crate::drawn::element_irradiance;
 use crate::solution::Solution;
 use crate::vertex_light::Fans;
 use rayon::prelude::*;
+
+/// Share of the contrast that is wanted up to which pictures may be off, as a root mean square relative to the mean light.
+/// Contrast is relative to the light of a place, and would go on in dark corners, of which pictures show little, long
+/// after all the error is elsewhere: in the Cornell box, to a contrast of 0.1, up to 39,018 elements that are off by 2.6 %
+/// instead of 4227 that are off by 2.5 %. A uniform mesh has 8008 for 2.6 %.
+pub const ERROR_SHARE: f64 = 0.1;
 
 /// Elements that would become so many are cut: it lies between 1 and 4.
 const WORTH_A_CUT: f64 = 2.0;
@@ -36,6 +43,25 @@ pub(super) fn error_estimates(solution: &Solution) -> Vec<f32> {
         .into_par_iter()
         .map(of_element)
         .collect()
+}
+
+/// Of elements given by their `η` in descending order, how many are worth a cut: the others together add less to the error of
+/// pictures than `allowed`, in the same unit.
+pub(super) fn worth_a_cut(errors: &[f32], allowed: f64) -> usize {
+    let mut squares = 0.0;
+    let small = errors.iter().rev().take_while(|&&eta| {
+        squares += f64::from(eta).powi(2);
+        squares <= allowed * allowed
+    });
+    errors.len() - small.count()
+}
+
+/// The error that pictures may have for a contrast, in the unit of [`error_estimates`].
+pub(super) fn allowed_error(solution: &Solution, contrast: f32) -> f64 {
+    let mesh = solution.mesh();
+    let areas = (0..mesh.elements().len()).map(|e| f64::from(mesh.exposed_area(e)));
+    let mean = mean_luminance(mesh, &element_irradiance(solution));
+    ERROR_SHARE * f64::from(contrast) * f64::from(mean) * areas.sum::<f64>().sqrt()
 }
 
 /// How many of some elements are cut now, given by their `η` in descending order, so that some rounds later the mesh has
@@ -66,6 +92,16 @@ fn parts(eta: f32, tau: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_adds_little_is_left() {
+        let errors = [4.0, 3.0, 0.6, 0.8];
+        assert_eq!(worth_a_cut(&errors, 1.001), 2, "0.6 and 0.8 make 1");
+        assert_eq!(worth_a_cut(&errors, 0.999), 3, "a little too much");
+        assert_eq!(worth_a_cut(&errors, 0.0), 4, "nothing is allowed");
+        assert_eq!(worth_a_cut(&errors, 10.0), 0, "all of it");
+        assert_eq!(worth_a_cut(&[], 1.0), 0, "nothing");
+    }
 
     #[test]
     fn the_worst_are_cut_first() {

@@ -17,9 +17,18 @@ use core::f32::consts::PI;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// How many times more rays go from an emitter to a new element: where a mesh is refined there are its shadows, and their
-/// noise would look like contrast.
-const EMITTER_BOOST: f64 = 32.0;
+/// How many times more rays go from an emitter to a new element at most: where a mesh is refined there are its shadows, and
+/// their noise would look like contrast.
+pub(super) const EMITTER_BOOST: f32 = 32.0;
+
+/// How much is asked for the light of an element.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Effort {
+    /// Patches that do not emit, on average.
+    pub(super) pairs: f32,
+    /// How many times more rays go from an emitter than from others.
+    pub(super) emitter_boost: f64,
+}
 
 /// Patches that have shot something.
 struct Sources {
@@ -82,13 +91,13 @@ pub(super) fn received(
     rays: &RayCast,
     elements: &[u32],
     shot: &[Vec<f64>],
-    pairs: u32,
+    effort: Effort,
     seed: u64,
     stop: Stop<'_>,
 ) -> Option<Vec<Vec<f64>>> {
     let sources = Sources::new(rays.mesh_ref(), shot);
     let start = point2(0, seed)[0];
-    let at = |&e: &u32| (!stop()).then(|| sources.bring_to(rays, e as usize, pairs, start));
+    let at = |&e: &u32| (!stop()).then(|| sources.bring_to(rays, e as usize, effort, start));
     elements.par_iter().map(at).collect()
 }
 
@@ -111,14 +120,14 @@ impl Sources {
     }
 
     /// Irradiance of an element in each channel.
-    fn bring_to(&self, rays: &RayCast, e: usize, pairs: u32, start: f32) -> Vec<f64> {
+    fn bring_to(&self, rays: &RayCast, e: usize, effort: Effort, start: f32) -> Vec<f64> {
         let mesh = rays.mesh_ref();
         let id = mesh.elements()[e];
         let area = f64::from(mesh.exposed_area(e));
         let mut light = vec![0.0; self.fluxes.first().map_or(0, Vec::len)];
-        for (i, chance) in self.drawn(&Place::of(mesh, id, 0.0), pairs, start) {
+        for (i, chance) in self.drawn(&Place::of(mesh, id, 0.0), effort.pairs, start) {
             let boost = if self.places[i].is_emitter {
-                EMITTER_BOOST
+                effort.emitter_boost
             } else {
                 1.0
             };
@@ -132,11 +141,11 @@ impl Sources {
     }
 
     /// Those to ask for the light at a place, with the chance that each had.
-    fn drawn(&self, place: &Place, pairs: u32, start: f32) -> Vec<(usize, f32)> {
+    fn drawn(&self, place: &Place, pairs: f32, start: f32) -> Vec<(usize, f32)> {
         let guesses: Vec<f32> = self.places.iter().map(|p| p.guess_to(place)).collect();
         let pairs_of = || self.places.iter().zip(&guesses);
         let others = pairs_of().filter(|(source, _)| !source.is_emitter);
-        let tau = others.map(|(_, guess)| guess).sum::<f32>() / pairs as f32;
+        let tau = others.map(|(_, guess)| guess).sum::<f32>() / pairs;
         let mut drawn = Vec::new();
         let mut ticks = start;
         for (i, (source, &guess)) in pairs_of().enumerate().filter(|(_, (_, g))| **g > 0.0) {

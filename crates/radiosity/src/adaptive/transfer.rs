@@ -1,6 +1,6 @@
 //! Light on a refined mesh, from the light of its patches (Cohen, Greenberg, Immel, Brock 1986).
 
-use super::receive::received;
+use super::receive::{EMITTER_BOOST, Effort, received};
 use super::to_f32;
 use crate::form_factor::matrix::patch_area;
 use crate::form_factor::{FormFactors, RayCast, Row};
@@ -15,8 +15,11 @@ use hemicube_raster::Rgb;
 const ROWS: usize = 64;
 
 /// Rays of a hemisphere for each patch that a new element asks, and how many are asked at least.
-const RAYS_PER_PAIR: u32 = 2;
-const LEAST_PAIRS: u32 = 64;
+const RAYS_PER_PAIR: f32 = 2.0;
+const LEAST_PAIRS: f32 = 32.0;
+
+/// Contrast from which on fewer rays will do: noise is to stay below what is cut.
+const FINE_CONTRAST: f32 = 0.1;
 
 /// What all patches have shot so far arrives anew, at the elements of a refined mesh: each patch shoots once, `A (B - U)`
 /// with its radiosity `B` and what of it is unshot, `U`. `None` if it was stopped.
@@ -71,8 +74,14 @@ pub(super) fn received_by_new(
     let mut solution = old.unlit_on(mesh.clone(), primary);
     let shot = shot_fluxes(old);
     let change = Change::new(old.mesh(), &mesh);
-    let pairs = (options.rays / RAYS_PER_PAIR).max(LEAST_PAIRS);
-    let light = received(rays, &change.new, &shot, pairs, options.seed, stop)?;
+    let light = received(
+        rays,
+        &change.new,
+        &shot,
+        effort(options),
+        options.seed,
+        stop,
+    )?;
     let elements = mesh.elements().len();
     for channel in 0..solution.groups().len() * BANDS {
         let (group, band) = (channel / BANDS, channel % BANDS);
@@ -96,6 +105,17 @@ pub(super) fn received_by_new(
     leave(&mut solution, &shot);
     solution.provenance.steps = old.provenance.steps;
     Some(solution)
+}
+
+/// What the light of a new element is worth: with the contrast that is wanted, less.
+fn effort(options: &SolveOptions) -> Effort {
+    let contrast = options.adaptive.unwrap_or_default().contrast;
+    let share = (FINE_CONTRAST / contrast).min(1.0);
+    Effort {
+        pairs: (options.rays as f32 / RAYS_PER_PAIR * share).max(LEAST_PAIRS),
+        // Rays of a pair are spread evenly: their error falls faster than the root of their number.
+        emitter_boost: f64::from(EMITTER_BOOST * share.powf(4.0 / 3.0)).max(1.0),
+    }
 }
 
 /// What a refinement changed.

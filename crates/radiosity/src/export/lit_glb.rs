@@ -10,7 +10,7 @@
 use crate::drawn::{DrawnMesh, DrawnPart};
 use crate::error::RadiosityError;
 use crate::patch::{PatchMesh, PatchOptions};
-use crate::solution::{Solution, SolutionData};
+use crate::solution::{BANDS, Solution, SolutionData};
 use crate::stop::NEVER;
 use core::f32::consts::PI;
 use glam::{Mat3, Quat, Vec3};
@@ -24,10 +24,11 @@ use hemicube_scene::{
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
+use std::io::{self, Write};
 use std::sync::Arc;
 
 /// Layout of the buffer view of ours; another number is another layout.
-const VERSION: u64 = 6;
+const VERSION: u64 = 7;
 
 /// How a lit `.glb` is written.
 #[derive(Debug, Clone)]
@@ -59,44 +60,81 @@ impl Default for LitGlbOptions {
 struct State<'a> {
     scene: Cow<'a, Scene>,
     mesh: PatchOptions,
-    solution: SolutionData,
+    solution: SolutionData<'a>,
+}
+
+/// A lit `.glb` ready to be written, in pieces: at a million elements a copy of it would be the largest thing in memory.
+#[derive(Debug)]
+pub struct LitGlb {
+    /// Up to the first byte of the binary chunk.
+    head: Vec<u8>,
+    /// The views of the binary chunk, each of whole words.
+    views: Vec<Vec<u8>>,
+}
+
+impl LitGlb {
+    /// The file of a solution.
+    ///
+    /// # Errors
+    /// A file of 4 GiB or more, which the format cannot hold.
+    pub fn new(solution: &Solution, options: &LitGlbOptions) -> Result<Self, RadiosityError> {
+        let mut file = Builder::default();
+        let scene = solution.mesh().scene();
+        let exposure = exposure_factor(solution, options);
+        let look = Look {
+            exposure,
+            tone_map: options.tone_map,
+            ambient: options.ambient,
+        };
+        file.images(scene);
+        file.primitives(solution, &DrawnMesh::new(solution, Rgb::BLACK), look);
+        file.cameras(scene);
+        let view = file.own_view(stored(solution)?, None);
+        let mut own = json!({ "version": VERSION, "state": view, "exposure": exposure, "report": options.report });
+        let refinement = solution.mesh().refinement();
+        if !refinement.is_empty() {
+            let refinement = postcard::to_stdvec(refinement)
+                .map_err(|e| RadiosityError::File(format!("storing the mesh: {e}")))?;
+            own["refinement"] = json!(file.own_view(refinement, None));
+        }
+        file.root
+            .insert(String::from("extras"), json!({ "hemicube": own }));
+        file.finish()
+    }
+
+    /// Writes it.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_to(&self, out: &mut impl Write) -> io::Result<()> {
+        out.write_all(&self.head)?;
+        self.views.iter().try_for_each(|view| out.write_all(view))
+    }
 }
 
 /// The bytes of a lit `.glb`.
 ///
 /// # Errors
-/// A file of 4 GiB or more, which the format cannot hold.
+/// As [`LitGlb::new`].
 pub fn write(solution: &Solution, options: &LitGlbOptions) -> Result<Vec<u8>, RadiosityError> {
-    let mut file = Builder::default();
-    let scene = solution.mesh().scene();
-    let drawn = DrawnMesh::new(solution, Rgb::BLACK);
-    let exposure = exposure_factor(solution, options);
-    let look = Look {
-        exposure,
-        tone_map: options.tone_map,
-        ambient: options.ambient,
-    };
-    file.images(scene);
-    file.primitives(solution, &drawn, look);
-    file.cameras(scene);
+    let LitGlb { head, views } = LitGlb::new(solution, options)?;
+    let rest = views.into_iter().flatten();
+    Ok(head.into_iter().chain(rest).collect())
+}
+
+/// What is needed to go on with a solution.
+fn stored(solution: &Solution) -> Result<Vec<u8>, RadiosityError> {
+    let mesh = solution.mesh();
     let state = State {
-        scene: Cow::Borrowed(scene),
-        mesh: solution.mesh().options(),
+        scene: Cow::Borrowed(mesh.scene()),
+        mesh: mesh.options(),
         solution: solution.data(),
     };
-    let state = postcard::to_stdvec(&state)
-        .map_err(|e| RadiosityError::File(format!("storing the solution: {e}")))?;
-    let view = file.view(&state, None);
-    let mut own = json!({ "version": VERSION, "state": view, "exposure": exposure, "report": options.report });
-    let refinement = solution.mesh().refinement();
-    if !refinement.is_empty() {
-        let refinement = postcard::to_stdvec(refinement)
-            .map_err(|e| RadiosityError::File(format!("storing the mesh: {e}")))?;
-        own["refinement"] = json!(file.view(&refinement, None));
-    }
-    file.root
-        .insert(String::from("extras"), json!({ "hemicube": own }));
-    file.finish()
+    // Three arrays of f32; beyond that the scene, which is small next to them where size matters.
+    let values = 3 * BANDS * solution.groups().len() * mesh.elements().len();
+    let bytes = Vec::with_capacity(4 * values + (1 << 16));
+    postcard::to_extend(&state, bytes)
+        .map_err(|e| RadiosityError::File(format!("storing the solution: {e}")))
 }
 
 /// The exposure of the stored colours.
@@ -147,7 +185,9 @@ struct Look {
 /// Collects the parts of the file.
 #[derive(Default)]
 struct Builder {
-    binary: Vec<u8>,
+    binary: Vec<Vec<u8>>,
+    /// Bytes of those.
+    length: usize,
     views: Vec<Value>,
     accessors: Vec<Value>,
     nodes: Vec<Value>,
@@ -167,13 +207,20 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 impl Builder {
     /// A buffer view over a copy of some bytes.
     fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
-        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
-        let mut view =
-            json!({ "buffer": 0, "byteOffset": self.binary.len(), "byteLength": bytes.len() });
+        let mut copy = Vec::with_capacity(bytes.len().next_multiple_of(4));
+        copy.extend_from_slice(bytes);
+        self.own_view(copy, target)
+    }
+
+    /// A buffer view over some bytes.
+    fn own_view(&mut self, mut bytes: Vec<u8>, target: Option<u32>) -> usize {
+        let mut view = json!({ "buffer": 0, "byteOffset": self.length, "byteLength": bytes.len() });
         if let Some(target) = target {
             view["target"] = json!(target);
         }
-        self.binary.extend_from_slice(bytes);
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        self.length += bytes.len();
+        self.binary.push(bytes);
         self.views.push(view);
         self.views.len() - 1
     }
@@ -460,8 +507,7 @@ impl Builder {
         }
     }
 
-    fn finish(mut self) -> Result<Vec<u8>, RadiosityError> {
-        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
+    fn finish(mut self) -> Result<LitGlb, RadiosityError> {
         let mut used = vec!["KHR_materials_unlit"];
         if self.transforms_used {
             used.push("KHR_texture_transform");
@@ -489,11 +535,11 @@ impl Builder {
         root.insert(String::from("bufferViews"), json!(self.views));
         root.insert(
             String::from("buffers"),
-            json!([{ "byteLength": self.binary.len() }]),
+            json!([{ "byteLength": self.length }]),
         );
         let mut text = Value::Object(self.root).to_string().into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');
-        let length = 12 + 8 + text.len() + 8 + self.binary.len();
+        let length = 12 + 8 + text.len() + 8 + self.length;
         let too_large = || {
             RadiosityError::File(format!(
                 "the lit .glb would have {length} bytes, the format holds 4 GiB; use fewer elements"
@@ -504,17 +550,19 @@ impl Builder {
                 .map(u32::to_le_bytes)
                 .map_err(|_| too_large())
         };
-        let mut out = Vec::with_capacity(length);
+        let mut out = Vec::with_capacity(28 + text.len());
         out.extend_from_slice(b"glTF");
         out.extend_from_slice(&2_u32.to_le_bytes());
         out.extend_from_slice(&word(length)?);
         out.extend_from_slice(&word(text.len())?);
         out.extend_from_slice(b"JSON");
         out.extend_from_slice(&text);
-        out.extend_from_slice(&word(self.binary.len())?);
+        out.extend_from_slice(&word(self.length)?);
         out.extend_from_slice(b"BIN\0");
-        out.extend_from_slice(&self.binary);
-        Ok(out)
+        Ok(LitGlb {
+            head: out,
+            views: self.binary,
+        })
     }
 }
 

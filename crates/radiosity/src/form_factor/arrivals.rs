@@ -1,5 +1,6 @@
 //! A row while it is added up.
 
+use crate::cast::to_f32;
 use crate::form_factor::Row;
 use crate::patch::PatchMesh;
 
@@ -52,9 +53,4 @@ pub(super) fn add(sum: &mut [f64; 3], share: [f64; 3]) {
     for (sum, share) in sum.iter_mut().zip(share) {
         *sum += share;
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "factors are kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }

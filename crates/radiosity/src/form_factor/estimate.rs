@@ -19,6 +19,7 @@
 //! | [`RayCast::point_row`] | the same from a point |
 //! | [`RayCast::point_factor`], [`RayCast::vertex_factors`] | exact factor of the point (Lambert) × weighted share of rays to the source that get through (Wallace, Elmquist, Haines 1989) |
 
+use crate::cast::to_f32;
 use crate::form_factor::RayCast;
 use crate::form_factor::polygon::{FlatPolygon, facing_parts, point_to_polygon};
 use crate::form_factor::raycast::{Shooter, kernel};
@@ -401,11 +402,6 @@ fn merged(tallies: &[Tally]) -> EstimatedRow {
 fn place_of(point: Vec3) -> u64 {
     let bits = |x: f32| u64::from(x.to_bits());
     hash(hash(bits(point.x), bits(point.y)), bits(point.z))
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "factors are kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }
 
 #[cfg(test)]

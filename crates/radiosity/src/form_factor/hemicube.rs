@@ -32,6 +32,7 @@
 mod seen;
 
 use self::seen::{Corners, Receiver, Seen};
+use crate::cast::to_f32;
 use crate::error::RadiosityError;
 use crate::form_factor::analytic::unoccluded::Rules;
 use crate::form_factor::arrivals::{Arrivals, add};
@@ -647,9 +648,4 @@ impl Buffers {
         self.items.clear();
         self.items.resize(cells, EMPTY);
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "factors are kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }

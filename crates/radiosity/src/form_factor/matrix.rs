@@ -6,6 +6,7 @@ mod fill;
 mod plan;
 mod summed;
 
+use crate::cast::to_f32;
 pub use enclosure::{Change, SEAM};
 pub use entries::Entries;
 pub(crate) use plan::MatrixPlan;
@@ -388,11 +389,6 @@ fn entry((patch, sum): (usize, f64)) -> Option<(u32, f32)> {
 fn ratio(a: f64, b: f64) -> f64 {
     if b > 0.0 { a / b } else { 0.0 }
 }
-#[expect(clippy::cast_possible_truncation, reason = "factors are kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -15,6 +15,7 @@
 //! 1.6e-6, and squares that share an edge but for 4e-7; see [`NusseltOptions::max_points`]. Of occlusion: at most about
 //! `1/(2√k)` of a factor where `k` rays meet a shadow edge.
 
+use crate::cast::to_f32;
 use crate::error::RadiosityError;
 use crate::form_factor::polygon::{FlatPolygon, point_to_polygon};
 use crate::form_factor::raycast::{PairFactor, Shooter, kernel};
@@ -225,9 +226,4 @@ impl FormFactors for Nusselt {
 )]
 fn ray_count(wanted: f64) -> u32 {
     wanted.ceil().clamp(1.0, f64::from(MAX_RAYS)) as u32
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "factors are kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }

@@ -12,6 +12,7 @@
 //! are scaled to the rest where they differ from it by more than its error; by much more, where nothing hides anything,
 //! because then the factors of pairs are the better judge.
 
+use crate::cast::to_f32;
 use crate::form_factor::analytic::unoccluded::Rules;
 use crate::form_factor::polygon::{FlatPolygon, facing_parts, point_to_polygon};
 use crate::form_factor::{FormFactors, Row};
@@ -672,9 +673,4 @@ fn emits(mesh: &PatchMesh, id: NodeId) -> bool {
 )]
 fn ray_count(wanted: f64, least: f64, most: f64) -> u32 {
     wanted.ceil().clamp(least, most) as u32
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "factors are kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }

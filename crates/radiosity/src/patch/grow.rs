@@ -1,13 +1,48 @@
 //! Growth of the forest: clusters, surfaces, and the cells below them.
 
+use crate::patch::constraints::CutCounts;
 use crate::patch::face::{Side, newell_normal};
 use crate::patch::sizes::Sizes;
 use crate::patch::subdivide::{Cell, Vertices, any_edge_longer, split};
 use crate::patch::{Node, NodeId, NodeKind, PatchMesh, id32, to_f32};
 use crate::stop::Stop;
 use glam::Vec3;
+use hemicube_scene::ImportReport;
+
+/// Meshes that are made at most until one has as many elements as wanted; the second does it mostly.
+const MOST_TRIALS: u32 = 4;
 
 impl PatchMesh {
+    /// Makes clusters, surfaces and everything below, of other sizes if what cuts elements makes too many of them; none if
+    /// it was stopped.
+    pub(super) fn grow_to_count(&mut self, mut sizes: Sizes, stop: Stop<'_>) -> Option<()> {
+        let report = self.report.clone();
+        for _ in 1..MOST_TRIALS {
+            self.grow(sizes, stop)?;
+            let elements = self.elements.len();
+            match sizes.corrected(&self.scene, &self.faces, self.options, elements) {
+                None => return Some(()),
+                Some(others) => sizes = others,
+            }
+            self.fell(&report);
+        }
+        self.grow(sizes, stop)
+    }
+
+    /// Takes away what [`Self::grow`] has made.
+    fn fell(&mut self, report: &ImportReport) {
+        self.roots.fill([None; 2]);
+        self.obstructions.clear();
+        self.nodes.clear();
+        self.patches.clear();
+        self.elements.clear();
+        self.patch_of_element.clear();
+        self.elements_of_patch.clear();
+        self.hard_edges.clear();
+        self.cuts = CutCounts::default();
+        self.report = report.clone();
+    }
+
     /// Makes clusters, surfaces and everything below, and lists the cuts; none if it was stopped.
     pub(super) fn grow(&mut self, sizes: Sizes, stop: Stop<'_>) -> Option<()> {
         let mut vertices = Vertices::default();
@@ -28,6 +63,11 @@ impl PatchMesh {
         }
         self.vertices = vertices.positions;
         self.list_cuts(sizes);
+        // Arrays that doubled hold up to twice what they need, and stay as long as the mesh.
+        self.vertices.shrink_to_fit();
+        self.nodes.shrink_to_fit();
+        self.elements.shrink_to_fit();
+        self.patch_of_element.shrink_to_fit();
         Some(())
     }
 
@@ -142,20 +182,20 @@ impl PatchMesh {
         self.nodes[id.index()].kind
     }
 
-    /// Halves a surface until no edge is too long.
+    /// Cuts a surface until no edge is too long.
     fn subdivide_surface(&mut self, surface: NodeId, sizes: Sizes, vertices: &mut Vertices) {
-        let mut stack = vec![(surface, 0)];
-        while let Some((id, depth)) = stack.pop() {
+        let mut stack = vec![surface];
+        while let Some(id) = stack.pop() {
             let node = &self.nodes[id.index()];
             let (cell, kind) = (node.cell, node.kind);
-            let cells = split(cell, sizes.element, depth, vertices);
+            let cells = split(cell, sizes.element, vertices);
             if cells.is_empty() {
                 continue;
             }
             let first_child = id32(self.nodes.len());
             for &child in &cells {
                 let child = self.push_cell(id, kind, child, vertices);
-                stack.push((child, depth + 1));
+                stack.push(child);
             }
             self.nodes[id.index()].first_child = first_child;
             self.nodes[id.index()].child_count = id32(cells.len());

@@ -80,6 +80,7 @@ impl Locator {
             let ways = roots.map(|root| root.map_or(NOWHERE, |root| locator.way_to(mesh, root)));
             locator.roots.push(ways);
         }
+        locator.cuts.shrink_to_fit();
         locator
     }
 

@@ -1,6 +1,6 @@
 //! The patch mesh: a forest of nodes with two cuts through it.
 //!
-//! *Clusters* (one for each placed mesh) hold *surfaces* (one for each lit side of a face), and surfaces are halved
+//! *Clusters* (one for each placed mesh) hold *surfaces* (one for each lit side of a face), and surfaces are cut
 //! into smaller and smaller cells. *Patches* (they shoot) and *elements* (they receive; Cohen, Greenberg, Immel, Brock
 //! 1986) are two cuts through that forest: every root-to-leaf path crosses each once, patches above elements. Elements can
 //! be cut further once there is light ([`PatchMesh::plan_refinement`]): nodes of patches and of elements that stay keep
@@ -22,6 +22,7 @@ mod refine;
 mod sizes;
 pub mod subdivide;
 
+use crate::cast::to_f32;
 pub use options::PatchOptions;
 pub use red_green::Refinement;
 pub use refine::RefinementPlan;
@@ -44,7 +45,7 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// Most elements that a mesh may have; a million take about 600 MB with everything that is made of them.
+/// Most elements that a mesh may have; a million take some 700 MB with everything that is made of them.
 pub const MAX_ELEMENTS: usize = 4_000_000;
 
 /// A node of the forest; ids are stable, nodes are only ever appended.
@@ -70,7 +71,7 @@ pub struct Node {
     pub kind: NodeKind,
     /// Its vertices, counter-clockwise seen from the side that receives; empty for clusters.
     cell: Cell,
-    /// Whether the nodes below it come from lines that cross it instead of halving.
+    /// Whether the nodes below it come from lines that cross it instead of its size.
     is_cut: bool,
     /// Area in square scene units; of clusters the sum over their surfaces.
     pub area: f32,
@@ -209,7 +210,7 @@ impl PatchMesh {
             scene,
         };
         let stopped = RadiosityError::Stopped("while the mesh was built");
-        if mesh.grow(sizes, stop).is_none() {
+        if mesh.grow_to_count(sizes, stop).is_none() {
             return Err(stopped);
         }
         mesh.refuse_too_many(most)?;
@@ -291,6 +292,11 @@ impl PatchMesh {
                     .first_hit(origin, cosine_direction(normal, sample), f32::INFINITY);
             hit.is_some_and(|hit| self.visibility.receives(hit.face, hit.side))
         })
+    }
+
+    /// Sides of faces that receive light; each is at least one element.
+    pub fn lit_sides(&self) -> usize {
+        self.roots.iter().flatten().flatten().count()
     }
 
     /// Faces that only block (their material is an [obstruction](hemicube_scene::Material::obstruction)): position in
@@ -440,11 +446,6 @@ impl core::ops::Deref for Polygon {
     fn deref(&self) -> &[Vec3] {
         &self.corners[..self.count as usize]
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }
 
 fn id32(index: usize) -> u32 {

@@ -7,20 +7,23 @@ use serde::{Deserialize, Serialize};
 /// Longer than an edge between any two places that a mesh may have.
 const LONGER_THAN_ANY_EDGE: f32 = 1e10;
 
-/// How fine the mesh is. Sizes are edge lengths in scene units; counts choose the size that stays just below them.
+/// How fine the mesh is. Sizes are edge lengths in scene units; counts choose the size that comes nearest to them.
 ///
-/// Cells of that size are what joints and discontinuities cut: elements that this adds come on top of the counts, and
-/// edges inside a cut cell may be as long as its diagonal.
+/// Elements are met within 5 %, with those that joints and discontinuities add. Each lit side of a face is at least one: of
+/// fewer than 4/3 of these sides there are as many as are asked for on top of the sides, at most a third of them, and what
+/// cuts them. Patches are whole branches of the tree that cutting makes, so their number is met within a factor of two where
+/// all faces are alike, and within some percent in most scenes. Triangles, and quads whose opposite edges differ by a
+/// piece, become irregular triangles. Cells of the chosen size are what joints and discontinuities cut: edges inside a cut cell may be as long as its diagonal.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PatchOptions {
     /// Longest edge of a patch. Default value: three element sizes.
     pub patch_size: Option<f32>,
     /// Longest edge of an element. Default value: a third of the patch size, or by `elements`.
     pub element_size: Option<f32>,
-    /// Number of patches to aim at if there is no `patch_size`, beyond one for each lit side of a face.
+    /// Number of patches to aim at if there is no `patch_size`. Default value: by `patch_size`.
     pub patches: Option<usize>,
-    /// Number of elements to aim at if there is no `element_size`, beyond one for each lit side of a face.
-    /// Default value: 4000.
+    /// Number of elements to aim at if there is no `element_size`. Default value: nine for each of `patches`, or
+    /// 4000.
     pub elements: Option<usize>,
     /// How the model is mended first. Default value: all that is sure to be a fault.
     pub clean: CleanOptions,

@@ -99,7 +99,7 @@ impl ElementGathering {
         Self {
             columns: Columns::new(factors),
             radiosity: (0..start.groups().len() * BANDS).map(of_channel).collect(),
-            first: start.data().irradiance,
+            first: start.data().irradiance.into_owned(),
             shown: start,
             areas,
             next: 0,

@@ -1,5 +1,6 @@
 //! One shot: what leaves a patch goes where its row says.
 
+pub(super) use crate::cast::to_f32;
 use crate::form_factor::Row;
 use crate::patch::PatchMesh;
 use crate::solution::{BANDS, EnergyBalance};
@@ -54,9 +55,4 @@ impl Surfaces {
         balance.absorbed += flux * (received - reflected + backs);
         balance.escaped += flux * f64::from(row.escaped[band]);
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
-pub(super) fn to_f32(x: f64) -> f32 {
-    x as f32
 }

@@ -26,6 +26,7 @@ pub mod shaft;
 pub mod site;
 pub mod unoccluded;
 
+use crate::cast::to_f32;
 pub(crate) use exchange::in_front;
 pub use exchange::{Exchange, area, exchange, exchange_area, form_factor, reciprocal, vector_area};
 pub use occlusion::occluded_exchange;
@@ -505,9 +506,4 @@ fn exposed_area(mesh: &PatchMesh, id: NodeId) -> f64 {
         || f64::from(mesh.node(id).area),
         |patch| crate::form_factor::matrix::patch_area(mesh, patch),
     )
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "factors are kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }

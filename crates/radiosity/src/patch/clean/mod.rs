@@ -1,6 +1,6 @@
 //! Models mended before they are cut: what Baum, Mann, Smith and Winget (Making radiosity usable, 1991) ask of one.
 //!
-//! 1. Vertices that nearly agree become one ([`weld`]): faces then share edges, and are halved alike along them.
+//! 1. Vertices that nearly agree become one ([`weld`]): faces then share edges, and are cut alike along them.
 //! 2. One-sided faces of a shell that disagree about its outside are turned around ([`orient`]).
 //! 3. Of faces that lie upon one another in one plane the smaller is lifted off the larger ([`stack`]), which is buried
 //!    below it. Otherwise rays would meet the one or the other at random.

@@ -1,6 +1,6 @@
 //! Lines along which elements are cut before any light is known.
 //!
-//! Faces are halved by the lengths of their edges; here the smallest of those cells are cut once more, where something
+//! Faces are cut by the lengths of their edges; here the smallest of those cells are cut once more, where something
 //! crosses them: other faces that meet the face (`joints.rs`), vertices of other faces in its edges, and the borders of
 //! shadows ([`discontinuities`](super::discontinuities)). A cell that nothing crosses stays the quad that it is, and
 //! patches, which are made of whole cells, stay as they are.

@@ -23,6 +23,7 @@ mod refine;
 mod statistics;
 mod transport;
 
+use crate::cast::to_f32;
 pub use statistics::{DrawnLink, LinkCounts};
 
 use self::cluster::Hierarchy;
@@ -573,9 +574,4 @@ fn all_channels(solution: &Solution, of: fn(&Solution, usize, usize) -> &[f32]) 
     channels
         .flat_map(|c| of(solution, c / BANDS, c % BANDS).iter().copied())
         .collect()
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }

@@ -37,11 +37,14 @@ mod shadow_rays;
 mod shoot;
 mod shrinkage;
 mod source;
+mod stages;
 mod strata;
 mod tally;
 mod view;
 
 pub use self::check::NoiseCheck;
+pub use self::stages::{Stage, Stages};
+use crate::cast::to_f32;
 
 use self::balance::Lost;
 use self::direct::Direct;
@@ -59,7 +62,7 @@ use crate::solution::{BANDS, Solution};
 use crate::solve::{Progress, Solver};
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// How the rays are spent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,26 +119,6 @@ enum Phase {
     Refine,
     Gather,
     Done,
-}
-
-/// What a stage of the work has cost so far.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Stage {
-    /// Rays that were cast.
-    pub rays: u64,
-    /// Time spent.
-    pub time: Duration,
-}
-
-/// What the stages have cost so far.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Stages {
-    /// Shadow rays to emitters.
-    pub direct: Stage,
-    /// Rays that shoot what is unshot.
-    pub spreading: Stage,
-    /// Rays that gather.
-    pub gathering: Stage,
 }
 
 /// Radiosity by rays alone.
@@ -250,12 +233,7 @@ impl Stochastic {
 
     /// Rays that were cast.
     pub fn rays(&self) -> u64 {
-        let Stages {
-            direct,
-            spreading,
-            gathering,
-        } = self.stages;
-        direct.rays + spreading.rays + gathering.rays
+        self.stages.rays()
     }
 
     /// Rays and time of each stage so far.
@@ -570,11 +548,6 @@ fn magnitude(mesh: &PatchMesh, radiosity: &[f32]) -> f64 {
     let elements = mesh.elements().len();
     let flux = |(i, b): (usize, &f32)| f64::from(b.abs() * mesh.exposed_area(i % elements));
     radiosity.iter().enumerate().map(flux).sum()
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "light is kept in f32")]
-fn to_f32(x: f64) -> f32 {
-    x as f32
 }
 
 #[expect(
