@@ -515,7 +515,7 @@ fn a_faulty_model_is_mended_unless_told_otherwise() {
 #[test]
 fn elements_are_cut_where_light_varies_and_the_file_keeps_them() {
     let folder = Folder::new();
-    let adaptive = ["--adaptive", "0.5", "--smallest", "60"];
+    let adaptive = ["--adaptive", "0.2", "--smallest", "60"];
     let solve = [
         "solve",
         "cornell",
@@ -529,7 +529,8 @@ fn elements_are_cut_where_light_varies_and_the_file_keeps_them() {
     let elements = number(&report, "elements");
     assert!(elements > number(&report, "unrefined_elements"), "{report}");
     assert_eq!(report["stopped"], "finished", "{report}");
-    assert_eq!(report["contrast"]["wanted"], 0.5, "{report}");
+    let wanted = report["contrast"]["wanted"].as_f64();
+    assert!((wanted.unwrap_or(0.0) - 0.2).abs() < 1e-6, "{report}");
     let lines = folder.text("way.csv").lines().count() as u64;
     assert!(lines > 10, "the way through all rounds: {lines} lines");
 

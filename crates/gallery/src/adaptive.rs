@@ -24,7 +24,7 @@ pub(crate) const EXHIBITS: &[Exhibit] = &[Exhibit {
 const LEVELS: u8 = 4;
 
 /// Contrast from which on elements are cut.
-const CONTRAST: f32 = 0.25;
+const CONTRAST: f32 = 0.08;
 
 /// Elements of the mesh whose picture counts as the truth.
 const FINE: usize = 16_000;

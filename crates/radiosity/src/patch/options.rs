@@ -12,8 +12,10 @@ const LONGER_THAN_ANY_EDGE: f32 = 1e10;
 /// Elements are met within 5 %, with those that joints and discontinuities add. Each lit side of a face is at least one: of
 /// fewer than 4/3 of these sides there are as many as are asked for on top of the sides, at most a third of them, and what
 /// cuts them. Patches are whole branches of the tree that cutting makes, so their number is met within a factor of two where
-/// all faces are alike, and within some percent in most scenes. Triangles, and quads whose opposite edges differ by a
-/// piece, become irregular triangles. Cells of the chosen size are what joints and discontinuities cut: edges inside a cut cell may be as long as its diagonal.
+/// all faces are alike, and within some percent in most scenes.
+///
+/// Triangles, and quads whose opposite edges differ by a piece, become irregular triangles. Cells of the chosen size are
+/// what joints and discontinuities cut: edges inside a cut cell may be as long as its diagonal.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PatchOptions {
     /// Longest edge of a patch. Default value: three element sizes.
