@@ -56,8 +56,10 @@ impl Shrinkage {
             .into_par_iter()
             .map(|patch| known.words(mesh, patch))
             .collect();
-        let mut shrinkage = Self::default();
-        shrinkage.weights = foreseen.iter().flatten().map(Word::weight).collect();
+        let shrinkage = Self {
+            weights: foreseen.iter().flatten().map(Word::weight).collect(),
+            ..Self::default()
+        };
         let mut said = vec![0.0; known.light.len()];
         let patches = shrinkage.of_patches(mesh, known.light);
         interpolation.to_elements(mesh, &patches, &mut said);
