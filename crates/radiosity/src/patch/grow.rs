@@ -188,7 +188,7 @@ impl PatchMesh {
         while let Some(id) = stack.pop() {
             let node = &self.nodes[id.index()];
             let (cell, kind) = (node.cell, node.kind);
-            let cells = split(cell, sizes.element, vertices);
+            let cells = split(cell, sizes.size(), vertices);
             if cells.is_empty() {
                 continue;
             }

@@ -7,7 +7,7 @@ use crate::cast::nearest;
 use crate::error::RadiosityError;
 use crate::patch::PatchOptions;
 use crate::patch::face::{WorldFace, newell_normal};
-use crate::patch::subdivide;
+use crate::patch::subdivide::{self, Size};
 use core::sync::atomic::{AtomicUsize, Ordering};
 use glam::Vec3;
 use hemicube_scene::Scene;
@@ -44,6 +44,9 @@ const DEFAULT_ELEMENTS: usize = 4000;
 const PATCH_EDGE: f32 = 3.0;
 const ELEMENTS_OF_PATCH: usize = 9;
 
+/// Edges are only halved where more than this share of the lit areas is no parallelogram.
+const UNEVEN: f64 = 0.02;
+
 /// Emitters of at most this share of all areas have patches that are so many times finer.
 const SMALL_EMITTERS: f64 = 0.05;
 const FINER_EMITTERS: f32 = 4.0;
@@ -56,6 +59,8 @@ pub(super) struct Sizes {
     /// Patches on emitters, where they are a small part of the scene: a light shoots most and casts the shadows that
     /// people look at.
     emitter_patch: f32,
+    /// Whether edges are only halved.
+    is_halving: bool,
     /// The elements that are wanted in all, and those that there are before anything cuts them; none if the size is given
     /// or follows from the number of faces.
     aim: Option<Aim>,
@@ -114,6 +119,14 @@ impl Sizes {
         Some(surfaces.with_patches(element, Some(aim), options))
     }
 
+    /// What edges of elements are cut to.
+    pub(super) fn size(&self) -> Size {
+        Size {
+            longest: self.element,
+            is_halving: self.is_halving,
+        }
+    }
+
     pub(super) fn patch_size(&self, scene: &Scene, face: &WorldFace) -> f32 {
         if scene.materials[face.material as usize].emits() {
             self.emitter_patch
@@ -137,6 +150,8 @@ struct Surfaces {
     longest: f32,
     /// Whether emitters are so small a part that their patches are finer.
     are_emitters_small: bool,
+    /// Whether so much of them is no parallelogram that edges are only halved.
+    is_halving: bool,
 }
 
 impl Surfaces {
@@ -154,6 +169,10 @@ impl Surfaces {
             .collect();
         let area = |surface: &Surface| f64::from(newell_normal(surface.face.polygon()).length());
         let total: f64 = all.iter().map(area).sum();
+        let uneven = |surface: &&Surface| !subdivide::is_parallelogram(surface.face.polygon());
+        let lit = || all.iter().filter(|surface| surface.sides > 0);
+        let uneven: f64 = lit().filter(uneven).map(area).sum();
+        let of_lit: f64 = lit().map(area).sum();
         let emitting: f64 = all.iter().filter(|s| s.emits).map(area).sum();
         let lengths = faces.iter().flat_map(|face| {
             let from_first = |&p: &Vec3| p.distance(face.corners[0]);
@@ -163,14 +182,22 @@ impl Surfaces {
             sides: all.iter().map(|s| s.sides).sum(),
             longest: lengths.fold(0.0, f32::max),
             are_emitters_small: emitting <= SMALL_EMITTERS * total,
+            is_halving: uneven > UNEVEN * of_lit,
             all,
+        }
+    }
+
+    fn cut_to(&self, longest: f32) -> Size {
+        Size {
+            longest,
+            is_halving: self.is_halving,
         }
     }
 
     /// Elements of a size before anything cuts them, counted up to a limit.
     fn elements(&self, size: f32, limit: usize) -> usize {
         self.count(limit, |surface, limit| {
-            subdivide::count(surface.face.polygon(), size, size, limit).cells
+            subdivide::count(surface.face.polygon(), self.cut_to(size), size, limit).cells
         })
     }
 
@@ -182,7 +209,7 @@ impl Surfaces {
             } else {
                 sizes.patch
             };
-            subdivide::count(surface.face.polygon(), sizes.element, size, limit).cells
+            subdivide::count(surface.face.polygon(), sizes.size(), size, limit).cells
         })
     }
 
@@ -202,8 +229,9 @@ impl Surfaces {
 
     /// About how many elements of a size there would be, however many that are.
     fn estimate(&self, size: f32) -> usize {
-        let cells =
-            |surface: &Surface| surface.sides * subdivide::estimate(surface.face.polygon(), size);
+        let cells = |surface: &Surface| {
+            surface.sides * subdivide::estimate(surface.face.polygon(), self.cut_to(size))
+        };
         self.all.iter().map(cells).fold(0, usize::saturating_add)
     }
 
@@ -261,7 +289,8 @@ impl Surfaces {
     /// Fans among the cells of elements of a size.
     fn fans(&self, size: f32, limit: usize) -> usize {
         let lit = self.all.par_iter().filter(|surface| surface.sides > 0);
-        let of = |s: &Surface| subdivide::count(s.face.polygon(), size, size, limit).fans;
+        let of =
+            |s: &Surface| subdivide::count(s.face.polygon(), self.cut_to(size), size, limit).fans;
         lit.map(of).sum()
     }
 
@@ -278,6 +307,7 @@ impl Surfaces {
                 element,
                 patch,
                 emitter_patch: (patch / finer).max(element),
+                is_halving: self.is_halving,
                 aim,
             }
         };

@@ -1,6 +1,6 @@
 //! Subdivision by edge length.
 //!
-//! An edge is to become as few equal pieces of at most the wanted size as can be, and is cut at one of the pieces' ends,
+//! An edge is to become as few equal pieces of at most the wanted size as can be, or the next power of two of them, and is cut at one of the pieces' ends,
 //! as near to its middle as there is one; its parts go on in the same way. The rule looks at nothing but the edge, so two
 //! faces that share an edge cut it alike and in the same vertex: no cracks, no T-vertices, whatever the shapes of the
 //! faces. Quads with both pairs of opposite edges cut become four quads, with one pair two; every other combination
@@ -185,23 +185,47 @@ fn push(positions: &mut Vec<Vec3>, position: Vec3) -> u32 {
     u32::try_from(positions.len() - 1).expect("a mesh has fewer than 2^32 vertices")
 }
 
+/// What edges are cut to.
+#[derive(Debug, Clone, Copy)]
+pub struct Size {
+    /// The longest that they may be.
+    pub longest: f32,
+    /// Whether edges are only halved. Pieces of any number meet a count of elements better, and leave parallelograms in rows
+    /// and columns; halves leave triangles and trapezoids regular.
+    pub is_halving: bool,
+}
+
 /// Pieces of at most a wanted size that an edge becomes. The slack keeps edges of exactly the wanted size, or twice, whole.
-fn pieces(a: Vec3, b: Vec3, size: f32) -> f64 {
+fn pieces(a: Vec3, b: Vec3, size: Size) -> f64 {
     let length = f64::from(a.distance_squared(b)).sqrt();
     // Pieces that rounding could make nothing of would never end.
     let least = ROUNDING * a.abs().max(b.abs()).max_element();
-    (length / (f64::from(size.max(least)) * SLACK))
-        .ceil()
-        .clamp(1.0, MOST_PIECES)
+    let pieces = (length / (f64::from(size.longest.max(least)) * SLACK)).ceil();
+    let pieces = pieces.clamp(1.0, MOST_PIECES);
+    if size.is_halving {
+        pieces.log2().ceil().exp2()
+    } else {
+        pieces
+    }
 }
 
 /// Whether any edge of a polygon is longer than the wanted size.
-pub fn any_edge_longer(polygon: &[Vec3], size: f32) -> bool {
+pub fn any_edge_longer(polygon: &[Vec3], longest: f32) -> bool {
+    let size = Size {
+        longest,
+        is_halving: false,
+    };
     (0..polygon.len()).any(|i| pieces(polygon[i], polygon[(i + 1) % polygon.len()], size) > 1.0)
 }
 
+/// Whether opposite sides are as long as each other and run the same way.
+pub(super) fn is_parallelogram(polygon: &[Vec3]) -> bool {
+    let [a, b, c, d] = *polygon else { return false };
+    (b - a).abs_diff_eq(c - d, 1e-4 * b.distance(a))
+}
+
 /// The share of an edge at which it is cut for a wanted size; none if it is not too long.
-fn cut_at(from: Vec3, to: Vec3, size: f32) -> Option<f64> {
+fn cut_at(from: Vec3, to: Vec3, size: Size) -> Option<f64> {
     let pieces = pieces(from, to, size);
     let share = (pieces / 2.0).floor() / pieces;
     (pieces > 1.0).then(|| {
@@ -226,7 +250,7 @@ fn runs_along(way: Vec3) -> bool {
 type Part<Id> = ([Id; 4], usize);
 
 /// The cells that take a cell's place for a wanted size; empty if none of its edges is too long.
-pub fn split(cell: Cell, size: f32, vertices: &mut Vertices) -> Vec<Cell> {
+pub fn split(cell: Cell, size: Size, vertices: &mut Vertices) -> Vec<Cell> {
     let parts = parts(cell.corners(), size, vertices).into_iter();
     parts.map(cell_of_part).collect()
 }
@@ -248,8 +272,8 @@ pub(super) struct Counted {
 
 /// The cells that a polygon becomes that are cut for a size as long as they have an edge longer than `whole`; they are
 /// counted no further than a limit.
-pub(super) fn count(polygon: &[Vec3], size: f32, whole: f32, limit: usize) -> Counted {
-    if whole <= size
+pub(super) fn count(polygon: &[Vec3], size: Size, whole: f32, limit: usize) -> Counted {
+    if whole <= size.longest
         && let Some(cells) = cells_of_parallelogram(polygon, size)
     {
         let cells = cells.min(limit);
@@ -273,7 +297,7 @@ pub(super) fn count(polygon: &[Vec3], size: f32, whole: f32, limit: usize) -> Co
 }
 
 /// About how many cells a polygon becomes, by its longest edges.
-pub(super) fn estimate(polygon: &[Vec3], size: f32) -> usize {
+pub(super) fn estimate(polygon: &[Vec3], size: Size) -> usize {
     let n = polygon.len();
     let mut edges: Vec<f64> = (0..n)
         .map(|i| pieces(polygon[i], polygon[(i + 1) % n], size))
@@ -289,11 +313,11 @@ pub(super) fn estimate(polygon: &[Vec3], size: f32) -> usize {
 }
 
 /// Cells of a parallelogram, which are cut in rows and columns.
-fn cells_of_parallelogram(polygon: &[Vec3], size: f32) -> Option<usize> {
+fn cells_of_parallelogram(polygon: &[Vec3], size: Size) -> Option<usize> {
     let [a, b, c, d] = *polygon else { return None };
     let sides = [[a, b], [b, c], [d, c], [a, d]];
     let [ab, bc, dc, ad] = sides.map(|[from, to]| pieces(from, to, size));
-    let is_even = (b - a).abs_diff_eq(c - d, 1e-4 * size);
+    let is_even = (b - a).abs_diff_eq(c - d, 1e-4 * size.longest);
     (is_even && ab == dc && bc == ad).then(|| nearest(ab * bc))
 }
 
@@ -304,7 +328,7 @@ fn part<Id: Copy>(corners: &[Id]) -> Part<Id> {
 }
 
 /// The parts that take a polygon's place for a wanted size; empty if none of its edges is too long.
-fn parts<C: Corners>(corners: &[C::Id], size: f32, vertices: &mut C) -> Vec<Part<C::Id>> {
+fn parts<C: Corners>(corners: &[C::Id], size: Size, vertices: &mut C) -> Vec<Part<C::Id>> {
     let n = corners.len();
     let mut cuts = [None; 4];
     for (i, cut) in cuts.iter_mut().enumerate().take(n) {
@@ -430,8 +454,15 @@ mod tests {
         (0..n).map(corner).collect()
     }
 
+    fn size(longest: f32) -> Size {
+        Size {
+            longest,
+            is_halving: false,
+        }
+    }
+
     /// The cells that a polygon becomes.
-    fn leaves(polygon: &[Vec3], size: f32, vertices: &mut Vertices) -> Vec<Cell> {
+    fn leaves(polygon: &[Vec3], size: Size, vertices: &mut Vertices) -> Vec<Cell> {
         let ids: Vec<u32> = polygon.iter().map(|&p| vertices.at(p)).collect();
         let mut open = vec![cell_of_part(part(&ids))];
         let mut leaves = Vec::new();
@@ -448,13 +479,17 @@ mod tests {
     #[test]
     fn cells_are_counted_as_they_are_made() {
         for i in 0..200 {
-            let (polygon, size) = (polygon(i), 0.05 + 0.5 * random(i, 9));
+            let (polygon, longest) = (polygon(i), 0.05 + 0.5 * random(i, 9));
+            let size = Size {
+                longest,
+                is_halving: i % 2 == 1,
+            };
             let mut vertices = Vertices::default();
             let cells = leaves(&polygon, size, &mut vertices);
-            let counted = count(&polygon, size, size, usize::MAX).cells;
+            let counted = count(&polygon, size, longest, usize::MAX).cells;
             assert_eq!(counted, cells.len(), "polygon {i}");
             assert!(
-                count(&polygon, size, size, 3).cells <= 3 + 8,
+                count(&polygon, size, longest, 3).cells <= 3 + 8,
                 "polygon {i}: a limit"
             );
             for cell in &cells {
@@ -464,7 +499,7 @@ mod tests {
                     .map(|&c| vertices.positions[c as usize])
                     .collect();
                 assert!(
-                    !any_edge_longer(&corners, size),
+                    !any_edge_longer(&corners, longest),
                     "polygon {i}: small enough"
                 );
             }
@@ -476,10 +511,10 @@ mod tests {
         let at = |x: f32, y: f32| Vec3::new(x, y, 0.0);
         let polygon = [at(0.0, 0.0), at(7.0, 0.0), at(7.0, 3.0), at(0.0, 3.0)];
         let mut vertices = Vertices::default();
-        let cells = leaves(&polygon, 1.0, &mut vertices);
+        let cells = leaves(&polygon, size(1.0), &mut vertices);
         assert_eq!(cells.len(), 21, "7 × 3 squares");
         assert_eq!(
-            count(&polygon, 1.0, 1.0, 100).cells,
+            count(&polygon, size(1.0), 1.0, 100).cells,
             21,
             "counted in one step"
         );
@@ -491,11 +526,29 @@ mod tests {
     }
 
     #[test]
+    fn halves_of_triangles_are_like_them() {
+        let at = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let polygon = [at(0.0, 0.0), at(7.0, 0.0), at(3.0, 6.0)];
+        let mut vertices = Vertices::default();
+        let size = Size {
+            longest: 1.5,
+            is_halving: true,
+        };
+        let cells = leaves(&polygon, size, &mut vertices);
+        assert_eq!(cells.len(), 64, "each edge becomes eight");
+        for cell in cells {
+            let [a, b, c] = [0, 1, 2].map(|i| vertices.positions[cell.corners()[i] as usize]);
+            let area = (b - a).cross(c - a).length();
+            assert!((area * 64.0 / 42.0 - 1.0).abs() < 1e-4, "of one area");
+        }
+    }
+
+    #[test]
     fn both_faces_at_an_edge_cut_it_alike() {
         for i in 0..200 {
             let corners = polygon(i);
             let (a, b) = (corners[0], corners[1]);
-            let size = 0.03 + 0.5 * random(i, 9);
+            let size = size(0.03 + 0.5 * random(i, 9));
             let [there, back] = [cut_at(a, b, size), cut_at(b, a, size)];
             assert_eq!(there.is_some(), back.is_some(), "edge {i}: or not at all");
             let sum = there.unwrap_or(0.5) + back.unwrap_or(0.5);
@@ -508,7 +561,7 @@ mod tests {
         let far = Vec3::splat(1e6);
         let polygon = [far, far + Vec3::X, far + Vec3::ONE, far + Vec3::Y];
         let mut vertices = Vertices::default();
-        let cells = leaves(&polygon, 1e-30, &mut vertices);
+        let cells = leaves(&polygon, size(1e-30), &mut vertices);
         assert!(
             cells.len() < 64,
             "{} cells of some steps of an f32",
