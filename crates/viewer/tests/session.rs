@@ -6,8 +6,7 @@ use hemicube_radiosity::{MaterialEdit, PatchMesh, Quality, SolverKind, solve};
 use hemicube_raster::Rgb;
 use hemicube_scene::builtin;
 use hemicube_viewer::session::{
-    Command, FactorsBy, Phase, Refinement, Session, Settings, Snapshot, Source, Status, VARIANTS,
-    Watch,
+    Command, FactorsBy, Phase, Refinement, Session, Settings, Snapshot, Source, VARIANTS, Watch,
 };
 use sessions::{opened, wait};
 use std::sync::Arc;
