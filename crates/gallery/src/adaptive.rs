@@ -82,7 +82,7 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
 
 /// Adds pictures of a refined mesh and of the errors of it and of a uniform mesh of so many elements. Their table.
 fn compared(size: (usize, usize), elements: usize, cells: &mut Vec<Cell>) -> String {
-    let truth = linear(&begun(&options_of(FINE)), size);
+    let truth = linear(&begun(&truth()), size);
     let uniform = begun(&options_of(elements));
     let limit = uniform.mesh().elements().len();
     let adaptive = begun(&SolveOptions {
@@ -144,6 +144,16 @@ fn options_of(elements: usize) -> SolveOptions {
         rays: 256,
         tolerance: 1e-3,
         ..Quality::Draft.into()
+    }
+}
+
+/// Of the mesh that counts as the truth: with more patches and rays than the others, so that it shares no error with one.
+fn truth() -> SolveOptions {
+    let options = options_of(FINE);
+    SolveOptions {
+        mesh: options.mesh.with_patches(FINE / 20),
+        rays: 2048,
+        ..options
     }
 }
 

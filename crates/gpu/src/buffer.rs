@@ -4,6 +4,7 @@ use crate::context::Context;
 use crate::error::GpuError;
 use bytemuck::Pod;
 use hemicube_shaders::Shader;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Duration;
 use wgpu::{
     BindGroup, BindGroupLayout, BindGroupLayoutEntry, BindingResource, BindingType, Buffer,
@@ -12,6 +13,12 @@ use wgpu::{
 
 /// How long another thread may take to tell that a buffer is mapped.
 const NEWS: Duration = Duration::from_secs(5);
+
+/// How often is looked whether a submission is done that nobody waits for.
+const LOOK: Duration = Duration::from_micros(500);
+
+/// Whether a buffer was mapped.
+type Mapped = Result<(), wgpu::BufferAsyncError>;
 
 /// A buffer that shaders read, filled now; of a lost device it is empty, and of no use.
 pub fn filled(device: &Device, label: &str, data: &[impl Pod], usage: BufferUsages) -> Buffer {
@@ -157,21 +164,56 @@ pub fn read(
     bytes: u64,
     submission: SubmissionIndex,
 ) -> Result<Vec<u32>, GpuError> {
-    let (send, receive) = std::sync::mpsc::channel();
+    let news = map(buffer, bytes);
+    context.wait_for(submission)?;
+    // Another thread that polls the device may have taken the news and not told it yet.
+    let mapped = news.recv_timeout(NEWS);
+    take(context, buffer, bytes, mapped.ok())
+}
+
+/// Reads the words of a mappable buffer that a submission has filled, and leaves the device to others until it is done:
+/// while somebody waits in wgpu 30, no window of the device is presented.
+pub fn read_beside_others(
+    context: &Context,
+    buffer: &Buffer,
+    bytes: u64,
+) -> Result<Vec<u32>, GpuError> {
+    let news = map(buffer, bytes);
+    loop {
+        context.look()?;
+        match news.try_recv() {
+            Ok(mapped) => return take(context, buffer, bytes, Some(mapped)),
+            Err(TryRecvError::Empty) => std::thread::sleep(LOOK),
+            Err(TryRecvError::Disconnected) => return take(context, buffer, bytes, None),
+        }
+    }
+}
+
+/// Asks for a buffer to be mapped; what comes of it is told when the device is polled.
+fn map(buffer: &Buffer, bytes: u64) -> Receiver<Mapped> {
+    let (send, receive) = channel();
     buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
         // The receiver is there until the result has come or the device is lost.
         let _ = send.send(result);
     });
-    context.wait_for(submission)?;
+    receive
+}
+
+/// The words of a buffer, if it was mapped.
+fn take(
+    context: &Context,
+    buffer: &Buffer,
+    bytes: u64,
+    mapped: Option<Mapped>,
+) -> Result<Vec<u32>, GpuError> {
     let lost = |why: String| GpuError::Lost {
         adapter: context.name.clone(),
         why,
     };
-    // Another thread that polls the device may have taken the news and not told it yet.
-    match receive.recv_timeout(NEWS) {
-        Ok(Ok(())) => {}
-        Ok(Err(e)) => return Err(lost(e.to_string())),
-        Err(_) => return Err(lost(String::from("nothing came back"))),
+    match mapped {
+        Some(Ok(())) => {}
+        Some(Err(e)) => return Err(lost(e.to_string())),
+        None => return Err(lost(String::from("nothing came back"))),
     }
     let words = {
         let view = buffer

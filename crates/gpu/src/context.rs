@@ -350,7 +350,7 @@ impl Context {
     /// Waits until a submission is done; what others have submitted after it may go on.
     ///
     /// While somebody waits, wgpu 30 presents no window of the device. Waiting for a short time again and again is no way
-    /// out: a wait that ends early panics in wgpu if another thread polls just then.
+    /// out: a wait that ends early panics in wgpu if another thread polls just then. [`Self::look`] is one.
     ///
     /// # Errors
     /// The device was lost or its memory ran out.
@@ -359,6 +359,14 @@ impl Context {
             submission_index: Some(submission),
             timeout: None,
         })
+    }
+
+    /// Has told what is done by now, without waiting for anything.
+    ///
+    /// # Errors
+    /// The device was lost or its memory ran out.
+    pub fn look(&self) -> Result<(), GpuError> {
+        self.poll(wgpu::PollType::Poll)
     }
 
     fn poll(&self, until: wgpu::PollType) -> Result<(), GpuError> {

@@ -12,7 +12,7 @@ mod pace;
 pub use light::{ChannelFlux, DeviceLight};
 
 use crate::backend::Report;
-use crate::buffer::read;
+use crate::buffer::{read, read_beside_others};
 use crate::context::Context;
 use crate::error::GpuError;
 use crate::hemicube::count;
@@ -254,7 +254,11 @@ impl GpuShooting {
             return Ok(());
         };
         let buffer = &self.device.read_steps[step.place];
-        let words = read(&self.context, buffer, step.bytes, step.submission)?;
+        let words = if self.pace.is_some() {
+            read_beside_others(&self.context, buffer, step.bytes)?
+        } else {
+            read(&self.context, buffer, step.bytes, step.submission)?
+        };
         let clock = self.take_step(&words, &step.watched);
         if let Some(pace) = &mut self.pace {
             pace.note(step.hemicubes, step.submitted, clock);
