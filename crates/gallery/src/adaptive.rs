@@ -29,6 +29,9 @@ const CONTRAST: f32 = 0.08;
 /// Elements of the mesh whose picture counts as the truth.
 const FINE: usize = 16_000;
 
+/// Elements of the first mesh that is refined to be compared: enough for as many patches as the uniform one has.
+const FIRST_OF_COMPARED: usize = 800;
+
 /// Contrast so low that the number of elements decides.
 const LEAST_CONTRAST: f32 = 0.02;
 
@@ -72,7 +75,7 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
         picture(&solution, size, None),
         &["the light of the last mesh", &patches],
     ));
-    let errors = compared(size, solution.mesh().elements().len(), &mut cells);
+    let errors = compared(size, solution.mesh().elements().len() / 2, &mut cells);
     Ok(vec![
         Piece::sheet("", &sheet(&cells, 3))?,
         Piece::csv("", table),
@@ -82,8 +85,9 @@ fn draw(request: &Request) -> Result<Vec<Piece>, GalleryError> {
 
 /// Adds pictures of a refined mesh and of the errors of it and of a uniform mesh of so many elements. Their table.
 fn compared(size: (usize, usize), elements: usize, cells: &mut Vec<Cell>) -> String {
-    let truth = linear(&begun(&truth()), size);
-    let uniform = begun(&options_of(elements));
+    // With more patches and rays, so that meshes make the error; the truth with twice as many, to share none with either.
+    let truth = linear(&begun(&shooting_well(options_of(FINE), 2)), size);
+    let uniform = begun(&shooting_well(options_of(elements), 1));
     let limit = uniform.mesh().elements().len();
     let adaptive = begun(&SolveOptions {
         adaptive: Some(
@@ -91,7 +95,7 @@ fn compared(size: (usize, usize), elements: usize, cells: &mut Vec<Cell>) -> Str
                 .with_contrast(LEAST_CONTRAST)
                 .with_most_elements(limit),
         ),
-        ..first_options()
+        ..shooting_well(options_of(FIRST_OF_COMPARED), 1)
     });
     let image = picture(&adaptive, size, Some(MeshOverlay::Elements));
     let line = format!("at most {limit} elements");
@@ -147,12 +151,11 @@ fn options_of(elements: usize) -> SolveOptions {
     }
 }
 
-/// Of the mesh that counts as the truth: with more patches and rays than the others, so that it shares no error with one.
-fn truth() -> SolveOptions {
-    let options = options_of(FINE);
+/// The same with so many times as many patches and rays as leave the mesh most of the error.
+fn shooting_well(options: SolveOptions, times: u16) -> SolveOptions {
     SolveOptions {
-        mesh: options.mesh.with_patches(FINE / 20),
-        rays: 2048,
+        mesh: options.mesh.with_patches(400 * usize::from(times)),
+        rays: 1024 * u32::from(times),
         ..options
     }
 }

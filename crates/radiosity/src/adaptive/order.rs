@@ -6,7 +6,7 @@
 //! whose parts all come to `τ` has `(η / τ)^⅔` of them for each element, and has the least error of all meshes of so many
 //! elements. Contrast would choose dim slopes, which interpolation follows, before bright hilltops, which it cuts off.
 
-use super::contrast::mean_luminance;
+use super::contrast::{assume_for_blind, mean_luminance};
 use crate::drawn::element_irradiance;
 use crate::solution::Solution;
 use crate::vertex_light::Fans;
@@ -24,7 +24,8 @@ const WORTH_A_CUT: f64 = 2.0;
 /// Steps of the bisection that looks for `τ`.
 const BISECTIONS: u32 = 50;
 
-/// `η` of each element, in luminance times length; 0 of buried ones.
+/// `η` of each element, in luminance times length; 0 of buried ones. Faces of few elements, whose vertices do not show
+/// differences, are taken to have them as others have.
 pub(super) fn error_estimates(solution: &Solution) -> Vec<f32> {
     let mesh = solution.mesh();
     let irradiance = element_irradiance(solution);
@@ -36,12 +37,16 @@ pub(super) fn error_estimates(solution: &Solution) -> Vec<f32> {
             .iter()
             .map(|&part| at_parts[part as usize].luminance())
             .sum();
-        let difference = irradiance[e].luminance() - sum / parts.len() as f32;
-        difference.abs() * mesh.exposed_area(e).sqrt()
+        (irradiance[e].luminance() - sum / parts.len() as f32).abs()
     };
-    (0..irradiance.len())
+    let mut differences: Vec<f32> = (0..irradiance.len())
         .into_par_iter()
         .map(of_element)
+        .collect();
+    assume_for_blind(mesh, &fans, &mut differences, |e| irradiance[e].luminance());
+    let pairs = differences.iter().enumerate();
+    pairs
+        .map(|(e, difference)| difference * mesh.exposed_area(e).sqrt())
         .collect()
 }
 
