@@ -33,6 +33,9 @@
 //! one device: a window draws from a solver's light ([`GpuShooting::light`]) while that goes on, and waits behind two of its
 //! steps at most ([`GpuShooting::with_step_time`]). Where panes let light through, the CPU casts the rays.
 //!
+//! Mesa's lavapipe 22.3.6 loses some 200 KB of memory with every hemicube, which it gives back when the device is closed; 25.0.7 loses
+//! none.
+//!
 //! Rays are cast by the adapter's ray queries where it has circuits for them, else by a tree that a shader walks;
 //! [`RayQueries`] and the environment variable `HEMICUBE_RAY_QUERIES` choose otherwise. wgpu 30 calls ray queries an
 //! experiment, which has to be asked for in unsafe code: one function here does, and nothing else is unsafe. Mesa's lavapipe
