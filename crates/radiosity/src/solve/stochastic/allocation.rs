@@ -7,6 +7,8 @@ use super::estimates::LEAST_RAYS;
 const MOST_RAYS: u32 = 1 << 12;
 /// Rays of a round for each that was cast before: the errors that they follow are estimates.
 const GROWTH: f64 = 2.0;
+/// Most rays of a round, some ten seconds: between rounds somebody may stop, and what comes next is chosen by better estimates.
+const MOST_OF_ROUND: f64 = (1_u32 << 25) as f64;
 /// Steps in which the factor is found.
 const BISECTIONS: u32 = 40;
 
@@ -36,6 +38,7 @@ pub(super) fn allocate(squares: &[f64], rays: &[u32], goal: f64) -> Vec<u32> {
             .sum()
     };
     let most = GROWTH * rays.iter().map(|&rays| f64::from(rays)).sum::<f64>();
+    let most = most.min(MOST_OF_ROUND);
     let (mut low, mut high) = (
         0.0,
         1e12 / spreads.iter().fold(1e-30, |a: f64, &b| a.max(b)),
@@ -105,6 +108,15 @@ mod tests {
         let wanted = allocate(&squares, &rays, 1e-9);
         let sum: u32 = wanted.iter().sum();
         assert!((6400..=2 * 6400).contains(&sum), "{sum} after 6400");
+    }
+
+    #[test]
+    fn rounds_end_soon_however_many_places_there_are() {
+        let rays = vec![64; 1 << 20];
+        let squares = vec![0.5; 1 << 20];
+        let wanted = allocate(&squares, &rays, 1e-9);
+        let sum: f64 = wanted.iter().map(|&rays| f64::from(rays)).sum();
+        assert!((1e7..=2.0 * MOST_OF_ROUND).contains(&sum), "{sum}");
     }
 
     #[test]
