@@ -3,6 +3,7 @@
 use super::Stochastic;
 use super::estimates::{Brought, Round};
 use super::gather::Scenery;
+use super::guides::Guides;
 use crate::sampling::hash;
 
 /// Most rays of an element in one of the two runs, for each kind of light.
@@ -127,7 +128,8 @@ impl Stochastic {
             wanted: &wanted,
             before: &vec![0; elements],
         };
-        scenery.gather(round, seed).light
+        let guides = &mut Guides::new(mesh);
+        scenery.gather(round, seed, guides).light
     }
 }
 

@@ -5,6 +5,7 @@
 //! exact factors times what rays see of them.
 
 use super::estimates::{Brought, Round};
+use super::receivers::by_patch;
 use super::shadow_rays::ShadowRays;
 use crate::form_factor::raycast::{RayCast, Shooter};
 use crate::form_factor::{FormFactors, RayCastOptions};
@@ -57,15 +58,7 @@ impl Direct {
     pub(super) fn near(&self) -> (Vec<f32>, u64) {
         let before = self.raycast.rays();
         let mut irradiance = vec![0.0; self.mesh.elements().len() * self.channels];
-        let mut rest = irradiance.as_mut_slice();
-        let mut slots = Vec::with_capacity(self.mesh.patches().len());
-        for patch in 0..self.mesh.patches().len() {
-            let count = self.mesh.elements_of_patch(patch).len();
-            let (slot, after) = rest.split_at_mut(count * self.channels);
-            slots.push(slot);
-            rest = after;
-        }
-        slots
+        by_patch(&self.mesh, &mut irradiance, self.channels)
             .into_par_iter()
             .enumerate()
             .for_each(|(patch, slot)| self.near_patch(patch, slot));

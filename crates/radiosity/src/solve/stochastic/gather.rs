@@ -7,9 +7,10 @@
 
 use super::emitters::place_of;
 use super::estimates::{Brought, LEAST_RAYS, Round};
+use super::guides::{Drawn, Guide, Guides, Learnt, in_order_of_cells};
 use super::highlights::Highlights;
 use super::lights::Place;
-use super::receivers::Start;
+use super::receivers::{Start, by_patch};
 use crate::patch::PatchMesh;
 use crate::sampling::{cosine_direction, hash};
 use crate::sobol::Sobol4;
@@ -17,11 +18,16 @@ use crate::solution::BANDS;
 use rayon::prelude::*;
 
 /// Independent parts of a round, whose differences tell the error.
-const REPLICATES: u32 = 2;
+const REPLICATES: usize = 2;
+/// Rays of a patch that are put in order together, about.
+const RAYS_AT_ONCE: usize = 1 << 16;
 /// Backs that only absorb count as so many times nearer than they are: an element that sees them is in a body or under one,
 /// where the others of its patch may be out in the open.
 const BEHIND: f32 = 8.0;
-const _: () = assert!(LEAST_RAYS.is_multiple_of(REPLICATES), "each has rays");
+const _: () = assert!(
+    (LEAST_RAYS as usize).is_multiple_of(REPLICATES),
+    "each has rays"
+);
 
 /// What rays find.
 pub(super) struct Scenery<'a> {
@@ -33,6 +39,45 @@ pub(super) struct Scenery<'a> {
     pub(super) channels: usize,
 }
 
+/// Where goes what the elements of a patch gather.
+struct Slots<'a> {
+    /// `[element][channel]`.
+    irradiance: &'a mut [f32],
+    /// Squared errors of the means, all channels together.
+    squares: &'a mut [f32],
+    nearness: &'a mut [f32],
+}
+
+/// A ray to be cast.
+#[derive(Debug, Clone, Copy)]
+struct Ray {
+    /// Position among the elements of the patch, and which part of its rays it is one of.
+    element: usize,
+    replicate: usize,
+    drawn: Drawn,
+    /// Chooses the point that it starts from.
+    sample: [f32; 2],
+}
+
+/// What the elements of a patch gather.
+struct Gathering<'a> {
+    place: Place,
+    guide: Guide,
+    learnt: &'a mut Learnt,
+    /// `[element][replicate][channel]`.
+    sums: Vec<f64>,
+    starts: Vec<Option<Start>>,
+    rays: Vec<Ray>,
+}
+
+/// What a ray met.
+struct Met {
+    /// Inverse distance of the first surface.
+    nearness: f32,
+    /// Light, summed over channels.
+    brought: f32,
+}
+
 /// What the rays of a round found.
 pub(super) struct Found {
     pub(super) light: Brought,
@@ -41,66 +86,110 @@ pub(super) struct Found {
 }
 
 impl Scenery<'_> {
-    /// One more round of rays from elements.
-    pub(super) fn gather(&self, round: Round<'_>, seed: u64) -> Found {
+    /// One more round of rays from elements, by what is known of where light comes from, to which they add.
+    pub(super) fn gather(&self, round: Round<'_>, seed: u64, guides: &mut Guides) -> Found {
         let mut light = Brought::nothing(round.wanted.len(), self.channels);
         let mut nearness = vec![0.0; round.wanted.len()];
-        light.rays = light
-            .irradiance
-            .par_chunks_exact_mut(self.channels)
-            .zip(&mut light.squares)
-            .zip(&mut nearness)
+        let slots = by_patch(self.mesh, &mut light.irradiance, self.channels)
+            .into_par_iter()
+            .zip(by_patch(self.mesh, &mut light.squares, 1))
+            .zip(by_patch(self.mesh, &mut nearness, 1));
+        light.rays = slots
+            .zip(guides.of_patches())
             .enumerate()
-            .map(|(element, ((irradiance, square), nearness))| {
-                let rays = round.wanted[element];
-                let start = Start::new(self.mesh, element);
-                let Some(start) = start.filter(|_| rays > 0) else {
-                    return 0;
+            .map(|(patch, (((irradiance, squares), nearness), learnt))| {
+                let to = Slots {
+                    irradiance,
+                    squares,
+                    nearness,
                 };
-                let seed = hash(seed, element as u64);
-                let seed = hash(seed, u64::from(round.before[element]));
-                let mut sums = vec![0.0; self.channels];
-                (*square, *nearness) = self.gather_at(element, &start, rays, seed, &mut sums);
-                let pairs = irradiance.iter_mut().zip(&sums);
-                pairs.for_each(|(out, sum)| *out = super::to_f32(sum / f64::from(rays)));
-                u64::from(rays)
+                self.gather_at(patch, round, seed, learnt, to)
             })
             .sum();
         Found { light, nearness }
     }
 
-    /// Adds what arrives at an element by each of its rays; the squared error of the mean, all channels together, and the
-    /// sum of inverse distances.
+    /// Gathers what arrives at the elements of a patch; the rays it took.
     fn gather_at(
         &self,
-        element: usize,
-        start: &Start,
-        rays: u32,
+        patch: usize,
+        round: Round<'_>,
         seed: u64,
-        sums: &mut [f64],
-    ) -> (f32, f32) {
-        let patch = self.mesh.patch_of_element(element);
-        let place = place_of(self.mesh, self.mesh.patches()[patch]);
-        let each = rays / REPLICATES;
-        let mut nearness = 0.0;
-        let replicates = core::array::from_fn(|replicate| {
-            let sequence = Sobol4::new(hash(seed, replicate as u64));
-            let before: f64 = sums.iter().sum();
-            for ray in 0..each {
-                nearness += self.find(&place, start, sequence.point(ray), sums);
+        learnt: &mut Learnt,
+        to: Slots<'_>,
+    ) -> u64 {
+        let elements = self.mesh.elements_of_patch(patch);
+        let wanted = &round.wanted[elements.clone()];
+        let is_exposed = |e: usize| self.mesh.exposed_area(e) > 0.0;
+        if !elements
+            .clone()
+            .zip(wanted)
+            .any(|(e, &rays)| rays > 0 && is_exposed(e))
+        {
+            return 0;
+        }
+        let mut gathering = Gathering {
+            place: place_of(self.mesh, self.mesh.patches()[patch]),
+            guide: learnt.guide(),
+            learnt,
+            sums: vec![0.0; wanted.len() * REPLICATES * self.channels],
+            starts: elements.clone().map(|e| Start::new(self.mesh, e)).collect(),
+            rays: Vec::new(),
+        };
+        let mut cast = 0;
+        for (i, element) in elements.enumerate() {
+            let seed = hash(seed, element as u64);
+            let seed = hash(seed, u64::from(round.before[element]));
+            gathering.aim(i, wanted[i], seed);
+            if gathering.rays.len() >= RAYS_AT_ONCE || i + 1 == wanted.len() {
+                cast += gathering.rays.len() as u64;
+                self.cast(&mut gathering, to.nearness);
             }
-            (sums.iter().sum::<f64>() - before) / f64::from(each)
-        });
-        (super::to_f32(square_of_mean(replicates)), nearness)
+        }
+        let sums = gathering.sums.chunks_exact(REPLICATES * self.channels);
+        let slots = to.irradiance.chunks_exact_mut(self.channels);
+        for (((sums, irradiance), square), &rays) in sums.zip(slots).zip(to.squares).zip(wanted) {
+            let each = f64::from(rays.max(1)) / REPLICATES as f64;
+            let mut replicates = sums.chunks_exact(self.channels);
+            let mean = |_| {
+                replicates
+                    .next()
+                    .map_or(0.0, |sums| sums.iter().sum::<f64>() / each)
+            };
+            *square = super::to_f32(square_of_mean(core::array::from_fn(mean)));
+            for (channel, out) in irradiance.iter_mut().enumerate() {
+                let sum: f64 = sums.iter().skip(channel).step_by(self.channels).sum();
+                *out = super::to_f32(sum / f64::from(rays.max(1)));
+            }
+        }
+        cast
     }
 
-    /// Adds what a ray finds; the inverse distance of what it meets first.
-    fn find(&self, place: &Place, start: &Start, [s, t, u, v]: [f32; 4], sums: &mut [f64]) -> f32 {
+    /// Casts the rays that were aimed, those of a cell after each other: they meet nearly the same, which the processor
+    /// then has at hand. Of a few rays of each element a fifth more are cast in a second.
+    fn cast(&self, gathering: &mut Gathering<'_>, nearness: &mut [f32]) {
+        let rays = in_order_of_cells(&gathering.rays, |ray| ray.drawn.cell);
+        gathering.rays.clear();
+        for ray in rays {
+            let Some(start) = &gathering.starts[ray.element] else {
+                continue;
+            };
+            let sums = (ray.element * REPLICATES + ray.replicate) * self.channels;
+            let sums = &mut gathering.sums[sums..sums + self.channels];
+            let met = self.find(start, &gathering.place, &ray, sums);
+            nearness[ray.element] += met.nearness * ray.drawn.weight;
+            gathering.learnt.add(ray.drawn.cell, met.brought);
+        }
+    }
+
+    /// Adds what a ray finds by its weight.
+    fn find(&self, start: &Start, place: &Place, ray: &Ray, sums: &mut [f64]) -> Met {
         let visibility = self.mesh.visibility();
-        let (point, normal) = start.point([u, v]);
+        let (point, normal) = start.point(ray.sample);
         let origin = visibility.off_surface(point, normal);
-        let direction = cosine_direction(normal, [s, t]);
+        let direction = cosine_direction(normal, ray.drawn.place);
         let mut nearness = None;
+        let mut brought = 0.0;
         visibility.follow(origin, direction, |hit, arriving, _| {
             let met = self.mesh.element_at(hit.face, hit.side, hit.point);
             let weight = if met.is_some() { 1.0 } else { BEHIND };
@@ -114,16 +203,42 @@ impl Scenery<'_> {
             let taken = taken.map_or(&[][..], |taken| taken.of_element(self.mesh, met, place));
             for (channel, (sum, b)) in sums.iter_mut().zip(&self.radiosity[range]).enumerate() {
                 let rest = b - taken.get(channel).copied().unwrap_or(0.0);
-                *sum += f64::from(rest * arriving[channel % BANDS]);
+                let light = rest * arriving[channel % BANDS];
+                *sum += f64::from(light * ray.drawn.weight);
+                brought += light;
             }
         });
-        nearness.unwrap_or(0.0)
+        Met {
+            nearness: nearness.unwrap_or(0.0),
+            brought,
+        }
+    }
+}
+
+impl Gathering<'_> {
+    /// So many rays from an element, if any of it is exposed.
+    fn aim(&mut self, element: usize, rays: u32, seed: u64) {
+        if self.starts[element].is_none() {
+            return;
+        }
+        for replicate in 0..REPLICATES {
+            let sequence = Sobol4::new(hash(seed, replicate as u64));
+            for ray in 0..rays / crate::index32(REPLICATES) {
+                let [s, t, u, v] = sequence.point(ray);
+                self.rays.push(Ray {
+                    element,
+                    replicate,
+                    drawn: self.guide.draw([s, t]),
+                    sample: [u, v],
+                });
+            }
+        }
     }
 }
 
 /// Squared standard error of the mean of independent estimates.
-fn square_of_mean(values: [f64; REPLICATES as usize]) -> f64 {
-    let n = f64::from(REPLICATES);
+fn square_of_mean(values: [f64; REPLICATES]) -> f64 {
+    let n = REPLICATES as f64;
     let mean = values.iter().sum::<f64>() / n;
     values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))
 }

@@ -27,6 +27,7 @@ mod direct;
 mod emitters;
 mod estimates;
 mod gather;
+mod guides;
 mod highlights;
 mod interpolate;
 mod light;
@@ -50,6 +51,7 @@ use self::balance::Lost;
 use self::direct::Direct;
 use self::estimates::LEAST_RAYS;
 use self::gather::Scenery;
+use self::guides::Guides;
 use self::highlights::Highlights;
 use self::interpolate::Interpolation;
 use self::light::{DirectLight, Reflected};
@@ -99,6 +101,8 @@ const MOST_REFINEMENTS: u32 = 4096;
 const ROUNDING: f64 = 1e-6;
 /// Share of the rays by which a receiver gathers that is shot for it while light is spread.
 const SPREADING: f64 = 0.25;
+/// Shadow rays to highlights of each element in the first gathering, at least.
+const LEAST_HIGHLIGHT_RAYS: u32 = 4;
 /// Patches gather by so many times fewer rays than elements at first.
 const FIRST_SHARE: u32 = 4;
 /// Shadow rays of each element that only learn what is in the way: what they bring is so uncertain that it would spoil
@@ -132,6 +136,7 @@ pub struct Stochastic {
     direct: Direct,
     /// None before the first gathering.
     highlights: Option<Highlights>,
+    guides: Guides,
     /// Irradiance before the first step, `[channel][element]`: sun, sky and points, or what another solver brought.
     before: Vec<f32>,
     direct_light: DirectLight,
@@ -192,6 +197,7 @@ impl Stochastic {
             direct_light: DirectLight::new(elements, channels),
             reflected: Reflected::new(&mesh, receivers, channels),
             highlights: None,
+            guides: Guides::new(&mesh),
             lost: Lost::new(&solution),
             is_closed: None,
             stages: Stages::default(),
@@ -361,7 +367,7 @@ impl Stochastic {
         let gathered = self.reflected.gathered();
         let seed = if gathered.is_draft { 9 } else { 4 };
         let seed = hash(self.options.seed, seed);
-        let rest = scenery.gather(gathered.rest.round(to_rest), seed);
+        let rest = scenery.gather(gathered.rest.round(to_rest), seed, &mut self.guides);
         let brought = highlights.round(gathered.highlights.round(to_highlights));
         self.stages.gathering.rays += rest.light.rays + brought.rays;
         let brought = (&brought, &rest);
@@ -393,7 +399,7 @@ impl Stochastic {
             if is_without_highlights || rays == 0 {
                 0
             } else {
-                (rays / 4).max(LEAST_RAYS)
+                (rays / 4).max(LEAST_HIGHLIGHT_RAYS)
             }
         };
         [to_rest.iter().map(to_highlights).collect(), to_rest]

@@ -50,6 +50,22 @@ impl Receivers {
     }
 }
 
+/// Numbers of elements, so many of each, as one slice for each patch.
+pub(super) fn by_patch<'a, T>(
+    mesh: &PatchMesh,
+    mut numbers: &'a mut [T],
+    width: usize,
+) -> Vec<&'a mut [T]> {
+    let mut of_patches = Vec::with_capacity(mesh.patches().len());
+    for patch in 0..mesh.patches().len() {
+        let count = mesh.elements_of_patch(patch).len();
+        let (of_patch, rest) = numbers.split_at_mut(count * width);
+        of_patches.push(of_patch);
+        numbers = rest;
+    }
+    of_patches
+}
+
 /// Where the rays of an element start.
 pub(super) struct Start {
     area: ExposedArea,

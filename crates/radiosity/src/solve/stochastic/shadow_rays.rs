@@ -202,7 +202,10 @@ impl ShadowRays {
             cell.found.resize(found, Found::default());
             let mut learnt = ToCell::default();
             // Half of them know what the others need to.
-            let every_other = |receiver: usize| FIRST_RAYS * u32::from(receiver.is_multiple_of(2));
+            let every_other = |receiver: usize| {
+                let rays = round.wanted[receiver].min(FIRST_RAYS);
+                rays * u32::from(receiver.is_multiple_of(2))
+            };
             self.pass(cell, &mut view, &every_other, 0, &mut learnt);
             to_cell.rays += learnt.rays;
         }
