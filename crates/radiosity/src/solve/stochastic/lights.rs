@@ -8,7 +8,7 @@ use glam::Vec3;
 use std::collections::BinaryHeap;
 
 /// Nodes of the coarse cut. More of them tell better what is hidden, and learn it more slowly.
-const PARTS: usize = 64;
+const PARTS: usize = 32;
 /// Lamps up to which each is in the fine cut; beyond, its nodes if none must be split further.
 const LAMPS: usize = 8192;
 const ITEMS: usize = 1024;

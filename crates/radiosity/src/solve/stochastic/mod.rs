@@ -105,9 +105,6 @@ const SPREADING: f64 = 0.25;
 const LEAST_HIGHLIGHT_RAYS: u32 = 4;
 /// Patches gather by so many times fewer rays than elements at first.
 const FIRST_SHARE: u32 = 4;
-/// Shadow rays of each element that only learn what is in the way: what they bring is so uncertain that it would spoil
-/// what later ones know better.
-const LEARNING_RAYS: u32 = 16;
 /// Least shadow rays of each element in the first round that counts, enough to tell where more are wanted; and rays by
 /// which it gathers for each of them.
 const SHADOW_RAYS: u32 = 32;
@@ -272,9 +269,6 @@ impl Stochastic {
         let shot = self.shot.iter_mut().zip(self.direct.exitance());
         shot.for_each(|(shot, emitted)| *shot += emitted);
         let elements = self.mesh().elements().len();
-        let learning = vec![LEARNING_RAYS; elements];
-        let learnt = self.direct.round(self.direct_light.far.round(&learning));
-        self.stages.direct.rays += learnt.rays;
         let rays = (self.options.rays / GATHERED_FOR_SHADOW).next_power_of_two();
         self.add_direct_round(&vec![rays.max(SHADOW_RAYS); elements]);
         self.stages.direct.time += start.elapsed();

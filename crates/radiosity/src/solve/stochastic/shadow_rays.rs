@@ -24,8 +24,8 @@ use hemicube_raster::Rgb;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Rays of every other receiver by which a cell begins.
-const FIRST_RAYS: u32 = 16;
+/// Most rays of every other receiver by which a cell begins.
+const FIRST_RAYS: u32 = 64;
 /// Marks patches that emit nothing.
 const DARK: u32 = u32::MAX;
 
@@ -201,9 +201,10 @@ impl ShadowRays {
             let found = view.part_count() * cell.patches.len();
             cell.found.resize(found, Found::default());
             let mut learnt = ToCell::default();
-            // Half of them know what the others need to.
+            // They only learn: what they bring is so uncertain that it would spoil what later ones know better. Half of
+            // the receivers know what the others need to.
             let every_other = |receiver: usize| {
-                let rays = round.wanted[receiver].min(FIRST_RAYS);
+                let rays = round.wanted[receiver].saturating_mul(2).min(FIRST_RAYS);
                 rays * u32::from(receiver.is_multiple_of(2))
             };
             self.pass(cell, &mut view, &every_other, 0, &mut learnt);
