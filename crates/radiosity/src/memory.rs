@@ -1,8 +1,8 @@
 //! Memory that a scene's light takes, estimated before the work begins.
 //!
 //! An estimate is a line: what an element takes, with each group of luminaires, and what any work takes. The numbers are
-//! fitted to peaks of the program that solves and writes a lit file: by rays, `cornell` of 109,224 and 431,322 elements and
-//! `theatre` of 541,518 and 995,173 take 82, 312, 691 and 848 MiB, and 95, 305, 667 and 911 by the line; by shooting,
+//! fitted to peaks of the program that solves and writes a lit file: by rays, `cornell` of 111,568 and 426,765 elements and
+//! `theatre` of 546,615 and 1,010,332 take 73, 250, 580 and 805 MiB, and 96, 301, 571 and 820 by the line; by shooting,
 //! `cornell` of 431,322 and `theatre` of 541,518 take 434 and 449 MiB, and 408 and 481 by the line. Matrices and links have a
 //! limit of their own ([`SolveOptions::memory_limit`]).
 
