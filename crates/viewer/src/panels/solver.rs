@@ -161,7 +161,12 @@ fn errors(ui: &mut Ui, snapshot: &Snapshot) {
         };
         snapshot.lanes.iter().enumerate().map(curve).collect()
     };
-    let is_there = |curves: &[Curve]| curves.iter().any(|curve| curve.points.len() > 1);
+    // Two points of one moment, as a mesh that was refined leaves them, make no curve.
+    let is_long = |curve: &Curve| match curve.points[..] {
+        [[first, _], .., [last, _]] => last > first,
+        _ => false,
+    };
+    let is_there = |curves: &[Curve]| curves.iter().any(is_long);
     let known = curves(|moment| moment.error);
     let estimates = curves(|moment| moment.estimate);
     let is_by_rays = snapshot.lanes[0].kind == SolverKind::Stochastic;

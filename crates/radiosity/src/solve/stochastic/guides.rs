@@ -4,7 +4,7 @@
 //! brought. The next rays go through a cell in proportion to the root of that, which leaves the least variance of all
 //! densities that are constant over cells (importance sampling with a density learnt on the way: Vorba and others 2014;
 //! Müller, Gross, Novák 2017), and count by the inverse. Points of a low-discrepancy sequence are bent rather than chosen
-//! from, so they stay evenly spread over each cell. In the theatre a guide leaves 0.6 of the variance.
+//! from, so they stay evenly spread over each cell. In the theatre guides leave two thirds of the variance.
 
 use crate::patch::PatchMesh;
 
