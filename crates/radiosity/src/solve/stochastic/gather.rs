@@ -120,12 +120,7 @@ impl Scenery<'_> {
     ) -> u64 {
         let elements = self.mesh.elements_of_patch(patch);
         let wanted = &round.wanted[elements.clone()];
-        let is_exposed = |e: usize| self.mesh.exposed_area(e) > 0.0;
-        if !elements
-            .clone()
-            .zip(wanted)
-            .any(|(e, &rays)| rays > 0 && is_exposed(e))
-        {
+        if wanted.iter().all(|&rays| rays == 0) {
             return 0;
         }
         let mut gathering = Gathering {
@@ -146,22 +141,7 @@ impl Scenery<'_> {
                 self.cast(&mut gathering, to.nearness);
             }
         }
-        let sums = gathering.sums.chunks_exact(REPLICATES * self.channels);
-        let slots = to.irradiance.chunks_exact_mut(self.channels);
-        for (((sums, irradiance), square), &rays) in sums.zip(slots).zip(to.squares).zip(wanted) {
-            let each = f64::from(rays.max(1)) / REPLICATES as f64;
-            let mut replicates = sums.chunks_exact(self.channels);
-            let mean = |_| {
-                replicates
-                    .next()
-                    .map_or(0.0, |sums| sums.iter().sum::<f64>() / each)
-            };
-            *square = super::to_f32(square_of_mean(core::array::from_fn(mean)));
-            for (channel, out) in irradiance.iter_mut().enumerate() {
-                let sum: f64 = sums.iter().skip(channel).step_by(self.channels).sum();
-                *out = super::to_f32(sum / f64::from(rays.max(1)));
-            }
-        }
+        gathering.write(wanted, self.channels, to);
         cast
     }
 
@@ -231,6 +211,25 @@ impl Gathering<'_> {
                     drawn: self.guide.draw([s, t]),
                     sample: [u, v],
                 });
+            }
+        }
+    }
+
+    /// Means over as many rays as were wanted, and what their parts say of the error.
+    fn write(&self, wanted: &[u32], channels: usize, to: Slots<'_>) {
+        let sums = self.sums.chunks_exact(REPLICATES * channels);
+        let slots = to.irradiance.chunks_exact_mut(channels).zip(to.squares);
+        for ((sums, (irradiance, square)), &rays) in sums.zip(slots).zip(wanted) {
+            let rays = f64::from(rays.max(1));
+            let each = rays / REPLICATES as f64;
+            let mean = |replicate: usize| {
+                let sums = &sums[replicate * channels..][..channels];
+                sums.iter().sum::<f64>() / each
+            };
+            *square = super::to_f32(square_of_mean(core::array::from_fn(mean)));
+            for (channel, out) in irradiance.iter_mut().enumerate() {
+                let sum: f64 = sums.iter().skip(channel).step_by(channels).sum();
+                *out = super::to_f32(sum / rays);
             }
         }
     }
